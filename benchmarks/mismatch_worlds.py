@@ -2,12 +2,13 @@
 
     python benchmarks/mismatch_worlds.py [--generator layer|analytic|element] [--mismatch SIZE] [--solver SEED]
                                          [--noise FACTOR] [--plan N] [--cases nulls ...] [--seed N] [--count K]
-                                         [--out FILE.jsonl] [--bank FOLDER]
+                                         [--estimated] [--out FILE.jsonl] [--bank FOLDER]
 
 The simulation is our gel at finite strain. Generators are the rig's layer solver, the rig's closed forms and finite
 elements of scikit-fem (`element_world`), each with errors of a solver that are drawn for each indenter
 (`other_solvers`): at a mismatch of 1 some per cent, at 2 twice that. Touches are those of `wedge_plan`. What was played
-and solved is kept, as in `naming_worlds`; `element_plan` solves what nulls by finite elements need.
+and solved is kept, as in `naming_worlds`; `element_plan` solves what nulls by finite elements need. With `--estimated`
+the answer is the first one, before the gels on which it could rest are played in full.
 """
 
 from __future__ import annotations
@@ -61,6 +62,7 @@ def main() -> None:
     parser.add_argument("--only", nargs="*", default=[], help="of the rig's effects")
     parser.add_argument("--no-pairs", action="store_true")
     parser.add_argument("--without-variants", action="store_true", help="leave out effects that need other gels played")
+    parser.add_argument("--estimated", action="store_true", help="answer from estimated plays alone")
     parser.add_argument("--out", type=Path)
     parser.add_argument("--bank", type=Path, default=Path(tempfile.gettempdir()) / "tactiledata-rig-bank")
     options = parser.parse_args()
@@ -69,7 +71,7 @@ def main() -> None:
     solves = {"layer": bench.maker.bank.contact, "analytic": closed_form, "element": ElementBank(options.bank).contact}
     solve = solves[options.generator]
     maker = replace(bench.maker, solve=OtherSolver(solve, options.mismatch, options.solver), noise=options.noise)
-    bench = replace(bench, maker=maker, pairs=not options.no_pairs)
+    bench = replace(bench, maker=maker, pairs=not options.no_pairs, in_full=not options.estimated)
     found = []
     for case in chosen(options.cases, options.count, options.strength, options.seed, options.only):
         kinds = ("generator", "mismatch", "solver", "noise", "plan")

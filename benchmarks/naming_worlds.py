@@ -33,7 +33,7 @@ from naming_summary import summary
 from naming_truth import friction_left, modulus_left
 
 from tactiledata.diagnose.answer.sentences import Answer
-from tactiledata.diagnose.naming.full_plays import named_with_full_plays
+from tactiledata.diagnose.naming.full_plays import FullPlay, named_with_full_plays
 from tactiledata.diagnose.naming.joint_fit import JointFit, plain_fit
 from tactiledata.diagnose.naming.metric import cosines
 from tactiledata.diagnose.naming.name_effects import NamingResult, name_effects
@@ -73,6 +73,7 @@ class Bench:
     effects: tuple[str, ...]
     plays: Callable[[frozenset[GelVariant]], list[TouchPlays]]
     pairs: bool = True
+    in_full: bool = True
     _kept: tuple[tuple[int, GelMaterial], np.ndarray] | None = None
 
     @staticmethod
@@ -133,7 +134,11 @@ class Bench:
         def name(played: _Played) -> NamingResult:
             return name_effects(played.touch_set, START, options)
 
-        _, naming, full_plays = named_with_full_plays(play, name, DEFAULT_THRESHOLDS)
+        full_plays: tuple[FullPlay, ...] = ()
+        if self.in_full:
+            _, naming, full_plays = named_with_full_plays(play, name, DEFAULT_THRESHOLDS)
+        else:
+            naming = name(play(frozenset()))
         seconds = time.perf_counter() - began
         scenario = load_scenario(self.maker.plan.scenario(asked.seed, truth, asked.hidden))
         change, left, unhidden = np.zeros((int(cases.counts.sum()), 6)), 0.0, truth

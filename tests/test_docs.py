@@ -2,12 +2,12 @@
 
 import os
 import re
-import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from copied_trees import copy_tree
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -52,7 +52,7 @@ def test_blocks_run(page, prepared, tmp_path):
     runnable = [block for block in blocks(page) if block["language"] in RUNNABLE and not block["reason"]]
     if not runnable:
         return
-    shutil.copytree(prepared, tmp_path / "work")
+    copy_tree(prepared, tmp_path / "work")
     for block in blocks(page):
         if block["file"]:
             shown = tmp_path / "work" / block["file"]

@@ -180,7 +180,7 @@ def test_the_example_scheduler_keeps_order():
 
 
 def test_the_example_metric_keeps_the_law_of_metrics():
-    """Nothing on itself, the worst pixel inside the mask, no value without one."""
+    """The metric is nothing on itself, the worst pixel inside the mask, and no value without one."""
     score = example("largest_error").LARGEST_ERROR.scores["largest"]
     true = np.full((2, 8, 8, 3), 50, np.uint8)
     ours = true.copy()

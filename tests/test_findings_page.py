@@ -42,7 +42,7 @@ class Emission:
 
 @cache
 def wrappers():
-    """Where each function with a text parameter, and class with a text field, called ``code`` is: by file and name.
+    """The functions with a text parameter, and classes with a text field, called ``code``: by file and name.
 
     Names that begin with an underscore are known in their own file only; all others everywhere (file ``None``).
     """

@@ -173,7 +173,7 @@ def test_no_ghost_layers():
 
 
 def rooms_of(package):
-    """For each room directly in a package the rooms that its modules import when they are loaded."""
+    """The rooms directly in a package, each with the rooms that its modules import when they are loaded."""
     inside = {name: tree for name, tree in trees().items() if name.startswith(f"{package.replace('.', '/')}/")}
     arrows = defaultdict(set)
     for name, tree in inside.items():

@@ -58,7 +58,7 @@ def test_frames_that_do_not_meet_are_refused():
 
 @given(transforms("a", "b"))
 def test_documents_bring_a_transform_back(a_from_b):
-    """As translation and quaternion, and as a matrix, a transform comes back as it was; w is never negative."""
+    """A transform comes back as it was from translation and quaternion and from a matrix; w is never negative."""
     assert a_from_b.xyzw[3] >= 0
     close(Transform.from_document("a", "b", a_from_b.document()).matrix, a_from_b.matrix)
     close(Transform.from_document("a", "b", a_from_b.matrix.tolist()).matrix, a_from_b.matrix)

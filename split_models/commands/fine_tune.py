@@ -25,8 +25,8 @@ def fine_tune(
     model: Path = MODEL,
     split: str = typer.Option("default", "--split", help="Split whose parts train and val are used."),
     camera: str = typer.Option(None, "--camera", help="The stream of pictures [default: the store's only one]."),
-    epochs: int = typer.Option(30, "--epochs", min=1),
-    learning_rate: float = typer.Option(3e-4, "--learning-rate", min=1e-8, max=1.0),
+    epochs: int = typer.Option(30, "--epochs", min=1, help="Number of passes over the part train."),
+    learning_rate: float = typer.Option(3e-4, "--learning-rate", min=1e-8, max=1.0, help="Learning rate of Adam."),
     out: Path = OUT,
     as_json: bool = JSON_OPTION,
 ) -> None:

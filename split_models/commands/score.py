@@ -52,8 +52,8 @@ def score(
 ) -> None:
     """Score pictures of sensors against each other, with intervals.
 
-    Recorded and synthetic pictures are separate sets. A sensor of --against of which only a picture without contact
-    is known is compared outside the contact. Beside all metrics stands how much of the touch synthetic pictures keep.
+    Recorded and synthetic pictures are separate sets. Results state how much of the touch synthetic pictures keep.
+    A sensor of --against may be known by a picture without contact only; it is then compared outside the contact.
 
     Example: tactiledata score both.zarr --metric histogram_intersection,gram_style,tsne --against ycb-sensorA
     """

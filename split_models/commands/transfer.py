@@ -46,7 +46,7 @@ def transfer(
 ) -> None:
     """Give the touches of a store the style of another sensor.
 
-    The result is a new store, whose trajectories name their parents. How much of the touches is kept is printed.
+    The result is a new store, whose trajectories name their parents. The command prints how much of a touch is kept.
 
     Example: tactiledata transfer --to ycb-sensorA
     """

@@ -45,7 +45,7 @@ def train(
     workers: int = WORKERS,
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Train all models of a recipe. A training that was killed is resumed.
+    """Train all models of a recipe. A run that was killed continues where it stopped.
 
     To use several processes, start `torchrun -m split_models train RECIPE`.
 

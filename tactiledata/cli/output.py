@@ -12,7 +12,7 @@ from typing import Any
 import typer
 from rich.console import Console
 from rich.markup import escape
-from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.progress import Progress as ProgressBar
 from rich.table import Table
 
@@ -86,6 +86,20 @@ def findings(found: Iterable[tuple[str, Finding]], most: int = 40) -> None:
         console.print(f"  … and {len(listed) - most} more (all of them: --json)")
 
 
+def time_left(done: int, total: int, seconds: float) -> str:
+    """Return how long the steps that are left take, as ", about 3 min left"; nothing where it is below a minute.
+
+    Parameters
+    ----------
+    done, total : int
+        Number of finished steps, and of all steps.
+    seconds : float
+        Time that the finished steps took.
+    """
+    left = seconds * (total - done) / done if done else 0.0
+    return f", about {left / 60:.0f} min left" if left >= 60.0 else ""
+
+
 @contextmanager
 def progress(title: str, quiet: bool = False) -> Iterator[Progress]:
     """Give the block a function to report progress to: it draws a bar on a terminal, and prints lines elsewhere.
@@ -98,17 +112,19 @@ def progress(title: str, quiet: bool = False) -> Iterator[Progress]:
         return
     if not console.is_terminal:
         tenths, moment = [-1], [time.monotonic()]
+        began = moment[0]
 
         def line(done: int, total: int, what: str = "") -> None:
             """Print a line at every tenth of the steps, and after a long silence."""
             tenth, now = done * 10 // max(total, 1), time.monotonic()
             if tenth != tenths[0] or now - moment[0] > QUIET_SECONDS:
                 tenths[0], moment[0] = tenth, now
-                console.print(escape(f"{title}: {done}/{total} {what}"))
+                console.print(escape(f"{title}: {done}/{total} {what}{time_left(done, total, now - began)}"))
 
         yield line
         return
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    times = (TimeElapsedColumn(), TimeRemainingColumn())
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), *times)
     with ProgressBar(*columns, TextColumn("{task.fields[what]}"), console=console, transient=True) as bar:
         task = bar.add_task(title, total=None, what="")
         yield lambda done, total, what="": bar.update(task, completed=done, total=total, what=escape(what[-40:]))

@@ -124,7 +124,7 @@ def merge(
 ) -> None:
     """Add the recordings of several stores to one.
 
-    A recording of several stores is added once. Splits are not copied.
+    A recording that several stores hold is added once. Splits are not copied.
 
     Example: tactiledata merge monday.zarr tuesday.zarr --into week.zarr
     """

@@ -43,5 +43,14 @@ def words_of(size: Size) -> str:
 
 
 def share_words(count: int, total: int, size: Size) -> str:
-    """How many images have a size, in words that agree in number: ``"1 of 40 images is 3200 x 2400"``."""
+    """How many images have a size, in words that agree in number: ``"1 of 40 images is 3200 x 2400"``.
+
+    Parameters
+    ----------
+    count : int
+        Images that have the size.
+    total : int
+        All images.
+    size : (height, width), pixels
+    """
     return f"{count} of {total} images {'is' if count == 1 else 'are'} {words_of(size)}"

@@ -10,6 +10,15 @@ from tactiledata.errors import UnsafeContent
 def path_inside(folder: Path, name: str, where: str) -> Path:
     """The path ``folder/name``, where a document named ``name``.
 
+    Parameters
+    ----------
+    folder : Path
+        The folder that must not be left.
+    name : str
+        A relative path with ``/`` or backslashes, as the document gives it.
+    where : str
+        The place in the document, with which the error begins.
+
     Raises
     ------
     UnsafeContent

@@ -23,4 +23,10 @@ class Progress(Protocol):
 
 
 def no_progress(done: int, total: int, what: str = "") -> None:
-    """Take no notice of the progress: the default where nobody watches."""
+    """Take no notice of the progress: the default where nobody watches.
+
+    Parameters
+    ----------
+    done, total, what
+        As `Progress` describes them; none is used.
+    """

@@ -37,6 +37,7 @@ def diagnose_store(
     options: DiagnosisOptions,
     play_progress: Progress = no_progress,
     step_progress: Callable[[str], None] = lambda what: None,
+    first_answer: Callable[[str], None] = lambda sentence: None,
 ) -> StoreDiagnosis:
     """Return which physics the simulation of a store's touches lacks, where they differ, and what to record next.
 
@@ -50,6 +51,8 @@ def diagnose_store(
         Called with how many plays of touches are finished, how many there are, and what was played last.
     step_progress : callable
         Called with a few words at the beginning of each later step.
+    first_answer : callable
+        Called with the first sentence of an answer from estimated plays, where gels have yet to be played in full.
 
     Raises
     ------
@@ -77,7 +80,9 @@ def diagnose_store(
         return name_effects(played.touch_set, played.start, naming_options, step_progress)
 
     # name what is missing
-    played, naming, full_plays = named_with_full_plays(play, name, DEFAULT_THRESHOLDS)
+    played, naming, full_plays = named_with_full_plays(
+        play, name, DEFAULT_THRESHOLDS, lambda naming: first_answer(Answer(naming).what[0])
+    )
     candidates = candidates_of(played)
     # compare on data that had no part in the fit
     shown = show(naming, options.seed, step_progress)

@@ -59,7 +59,26 @@ class AcrossHdf5Format(CorpusFormat):
         return [self.make_source(path, file, [file]) for file in _results(path)]
 
     def record(self, source: Source, intake: Intake, mapping: Mapping[str, Any] | None) -> Recording:
-        """A file: trials and environments one after another, read step by step."""
+        """A file: trials and environments one after another, read step by step.
+
+        Parameters
+        ----------
+        source : Source
+            One HDF5 file, as `sources` found it.
+        intake : Intake
+            Takes moments without images; it is read afterwards for values and findings.
+        mapping : dict, optional
+            A mapping document; it may name the sensor and describe it.
+
+        Raises
+        ------
+        BrokenLog
+            The file cannot be read as HDF5, or holds no step.
+        NotFetched
+            The file is a Git LFS pointer.
+        UnsafeContent
+            It takes values from another file.
+        """
         import h5py
 
         path = Path(source.path)

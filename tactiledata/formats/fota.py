@@ -104,7 +104,17 @@ class FotaFormat(CorpusFormat):
         ]
 
     def record(self, source: Source, intake: Intake, mapping: Mapping[str, Any] | None) -> Recording:
-        """A domain: sequences one after another, the published part of each image kept as a value."""
+        """A domain: sequences one after another, the published part of each image kept as a value.
+
+        Parameters
+        ----------
+        source : Source
+            A folder of tars, or one tar, as `sources` found it.
+        intake : Intake
+            Takes the images and the published part of each; it is read afterwards for values and findings.
+        mapping : dict, optional
+            A mapping document; it may name the sensor and describe it.
+        """
         path = Path(source.path)
         domain = (path.parent if path.is_file() else path).resolve().name
         tars = [path] if path.is_file() else dict(_domains(path)).get(path, [])

@@ -71,7 +71,17 @@ dataPack.npz            f0 (H, W, 3) BGR, without contact
         return [self.make_source(path.absolute(), pack, [pack]) for pack in _packs(path.absolute())]
 
     def record(self, source: Source, intake: Intake, mapping: Mapping[str, Any] | None) -> Recording:
-        """The presses, pushed in the order of the archive."""
+        """The presses, pushed in the order of the archive.
+
+        Parameters
+        ----------
+        source : Source
+            The archive of presses, as `sources` found it.
+        intake : Intake
+            Takes the images with their annotated touches, px; it is read afterwards for values and findings.
+        mapping : dict, optional
+            A mapping document; it may name the sensor and describe it.
+        """
         pack = _load(Path(source.path))
         description, sensor = _description(source, pack, mapping or {})
         model = str(description.sensors[sensor]["model"])

@@ -85,7 +85,17 @@ class ImageFolderFormat(CorpusFormat):
         return [self.make_source(path.absolute(), path.absolute(), files_in(path.absolute(), tuple(IMAGE_SUFFIXES)))]
 
     def record(self, source: Source, intake: Intake, mapping: Mapping[str, Any] | None) -> Recording:
-        """The images, pushed in natural order."""
+        """The images, pushed in natural order.
+
+        Parameters
+        ----------
+        source : Source
+            A folder of JPEG or PNG images, as `sources` found it.
+        intake : Intake
+            Takes the images; it is read afterwards for values and findings.
+        mapping : dict, optional
+            A mapping document; it may name the camera, the sensor and trajectories.
+        """
         root = Path(source.path)
         camera, sensor = _camera(root, mapping or {})
         description = _description(source, sensor, camera, mapping or {})

@@ -42,7 +42,17 @@ class ObjectFolderRealFormat(CorpusFormat):
         return [self.make_source(path, folder, [image for _, image in _images(folder)]) for folder in _objects(path)]
 
     def record(self, source: Source, intake: Intake, mapping: Mapping[str, Any] | None) -> Recording:
-        """An object: its trials one after another, frames at the nominal rate by their numbers."""
+        """An object: its trials one after another, frames at the nominal rate by their numbers.
+
+        Parameters
+        ----------
+        source : Source
+            The folder of an object, as `sources` found it.
+        intake : Intake
+            Takes the images; it is read afterwards for values and findings.
+        mapping : dict, optional
+            A mapping document; it may name the sensor and describe it.
+        """
         folder = Path(source.path)
         thing = folder.resolve().name
         sensor = sensor_for(CAMERA, "objectfolder-real-gelsight", mapping)

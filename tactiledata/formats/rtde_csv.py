@@ -75,7 +75,22 @@ class RtdeCsvFormat(CorpusFormat):
         return [self.make_source(path, path, [path])]
 
     def record(self, source: Source, intake: Intake, mapping: Mapping[str, Any] | None) -> Recording:
-        """The signals of the file."""
+        """The signals of the file.
+
+        Parameters
+        ----------
+        source : Source
+            One CSV file, as `sources` found it.
+        intake : Intake
+            Takes findings; the file has no images; it is read afterwards for values and findings.
+        mapping : dict, optional
+            A mapping document; its ``signals`` may name further columns.
+
+        Raises
+        ------
+        BrokenLog
+            The file has no clock, or no whole vector that reads.
+        """
         table = read_csv_table(Path(source.path), separators=SEPARATORS)
         table.require((CLOCK,), "Record the column timestamp with the others: without it no sample has a time.")
         t_ns, has_time = table.seconds(CLOCK)

@@ -52,7 +52,7 @@ def touched(changes: SingleArray) -> NDArray[np.bool_]:
     sigma = CONTACT_BLUR * max(changes.shape[1:3])
     masks = np.empty(changes.shape[:3], bool)
     for row, change in enumerate(changes):
-        masks[row] = np.linalg.norm(cv2.GaussianBlur(change, (0, 0), sigma), axis=-1) >= TOUCHED
+        masks[row] = _magnitudes(cv2.GaussianBlur(change, (0, 0), sigma)) >= TOUCHED
     return masks
 
 
@@ -71,7 +71,7 @@ def strength(changes: Any, recorded: Any) -> Values:
     values = np.full(len(ours), np.nan)
     for row, (change, true, mask) in enumerate(zip(ours, theirs, touched(theirs), strict=True)):
         if mask.any():
-            means = [np.linalg.norm(one[mask], axis=-1).mean(dtype=np.float64) for one in (change, true)]
+            means = [_magnitudes(one[mask]).mean(dtype=np.float64) for one in (change, true)]
             values[row] = means[0] / means[1]
     return values
 
@@ -91,7 +91,7 @@ def correlation(changes: Any, recorded: Any) -> Values:
     values = np.full(len(ours), np.nan)
     for row, (change, true, mask) in enumerate(zip(ours, theirs, touched(theirs), strict=True)):
         if mask.any():
-            one, other = (np.linalg.norm(part, axis=-1).ravel().astype(np.float64) for part in (change, true))
+            one, other = (_magnitudes(part).ravel().astype(np.float64) for part in (change, true))
             spread = one.std() * other.std()
             product = ((one - one.mean()) * (other - other.mean())).mean()
             values[row] = product / spread if spread > 0 else 0.0
@@ -112,6 +112,13 @@ def overlap(changes: Any, recorded: Any) -> Values:
     either = (ours | theirs).sum(axis=(1, 2))
     share = (ours & theirs).sum(axis=(1, 2)) / np.maximum(either, 1)
     return np.where(theirs.any(axis=(1, 2)), share, np.nan)
+
+
+def _magnitudes(changes: SingleArray) -> SingleArray:
+    """Return the norm (...,) over the channels of changes (..., 3), grey levels."""
+    squares = changes * changes
+    # to the bit np.linalg.norm, which takes eight times as long over an axis of three
+    return np.sqrt(squares[..., 0] + squares[..., 1] + squares[..., 2])
 
 
 def _pairs(changes: Any, recorded: Any) -> tuple[SingleArray, SingleArray]:

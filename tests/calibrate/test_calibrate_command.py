@@ -1,10 +1,10 @@
 """The command on a recorded store, and what it says of stores that it cannot use."""
 
 import json
-import shutil
 import sys
 
 import pytest
+from copied_trees import copy_tree
 
 from tactiledata.calibrate.measured import read_measured
 from tactiledata.calibrate.options import CalibrationOptions
@@ -28,7 +28,7 @@ def run_command(capsys, monkeypatch, *arguments):
 
 @pytest.mark.slow
 def test_the_command_on_a_recorded_world(tiny_store, tmp_path, capsys, monkeypatch):
-    """A result, a page and words; the same bytes again; JSON for machines; replay's offsets by uid."""
+    """The command writes a result and a page, the same bytes again, JSON for machines, and offsets by uid."""
     pytest.importorskip("matplotlib")
     monkeypatch.setitem(structured_pad.PLANS, "low", COARSE)
     out = tmp_path / "calibration.json"
@@ -80,7 +80,7 @@ def test_a_store_without_poses_names_the_reason(tiny_folders, tmp_path, capsys, 
     from tactiledata.ingest.pipeline import ingest
 
     recording = tmp_path / "recording"
-    shutil.copytree(tiny_folders[0], recording)
+    copy_tree(tiny_folders[0], recording)
     for name in ("tcp.csv", "joints.csv"):
         (recording / name).unlink()
     ingest([recording], tmp_path / "ds.zarr")

@@ -141,7 +141,7 @@ def test_another_engine_is_named_in_every_output(measured, monkeypatch, tmp_path
 
 
 def test_touches_are_played_by_the_flex():
-    """MuJoCo's flex through the player: forces over Young's modulus, of the order of ``fem``'s, and kept."""
+    """MuJoCo's flex plays touches through the player: forces over E are of the order of ``fem``'s, and are kept."""
     if importlib.util.find_spec("mujoco") is None:
         pytest.skip("MuJoCo is not installed")
     touch = pressed(0.4e-3, 0.0, (0.0, 0.0), frames=4)

@@ -29,7 +29,7 @@ def vector(world, measured, noise=NOISE, prior=4e-5):
 
 @pytest.mark.parametrize(("hardness", "kilopascal"), [(24, 883.140), (25, 923.464)])
 def test_gent(hardness, kilopascal):
-    """The SPLIT paper's two figures, which it cuts off behind the third digit."""
+    """The law gives the SPLIT paper's two figures, which the paper cuts off behind the third digit."""
     assert youngs_modulus_of_shore_a(hardness) / 1e3 == pytest.approx(kilopascal, abs=1e-3)
 
 
@@ -43,7 +43,7 @@ def test_gent_off_the_scale(hardness):
     ("nu", "mu", "offset"), [(0.46, 0.57, 0.0), (0.478, 0.78, 3e-5), (0.494, 0.9, -4e-5), (0.451, 0.98, 5e-5)]
 )
 def test_the_grid_holds_what_lies_between_its_nodes(world, nu, mu, offset):
-    """Within a hundredth of the largest force, corners of the box included; at a node without offset exactly."""
+    """The grid is within a hundredth of the largest force, corners included, and exact at a node without offset."""
     truth = world.wrench(nu, mu, offset)
     found = world.response().at(nu, mu).at(np.full(len(truth), offset))
     assert np.abs(found - truth)[:, :3].max() < 0.01 * np.abs(truth[:, :3]).max()
@@ -114,7 +114,7 @@ def test_only_the_vector_loss_sees_directions(world):
 @pytest.mark.slow
 @pytest.mark.parametrize("loss", ["vector", "norm"])
 def test_a_fit_is_the_same_every_time(world, loss):
-    """And what is held out is not fitted, yet foretold nearly as well."""
+    """A fit gives the same answer every time, and what is held out is not fitted, yet foretold nearly as well."""
     experiment = world.experiment(world.measured())
     options = CalibrationOptions(loss=loss, hold_out=0.25, seed=3)
     one, other = (fit(experiment, NOISE, PAPER, options) for _ in range(2))

@@ -35,7 +35,7 @@ def play(node, factor=1.0, product=0.0, own=0.0):
 
 
 def test_a_plan_is_played_where_one_thing_differs():
-    """Seven of nineteen nodes: the middle, two other nu, two other mu, two offsets."""
+    """Seven of nineteen nodes are played: the middle, two other nu, two other mu, two offsets."""
     played = [node for node in PLAN.nodes() if is_played(PLAN, node)]
     assert len(played) == 7
     assert MIDDLE in played

@@ -63,7 +63,7 @@ def test_what_intervals_hold_is_what_lies_between_their_ends(loss):
 
 @pytest.mark.slow
 def test_intervals_narrow_with_more_trajectories(loss):
-    """Four times the trajectories, half the width."""
+    """Four times the trajectories give half the width."""
     many = ClosedFormWorld(80)
     other = vector(many, many.measured(offsets=np.random.default_rng(5).normal(0, 4e-5, many.count)))
     widths = []
@@ -108,7 +108,7 @@ def test_the_bootstrap_is_the_same_for_a_seed():
 
 @pytest.mark.slow
 def test_coverage_counts_what_is_covered(loss):
-    """A few draws: shares between 0 and 1, the same for a seed."""
+    """A few draws give shares between 0 and 1, the same for a seed."""
     one, other = (coverage(loss, WIDE, TRUTH, draws=2, seed=1) for _ in range(2))
     assert (one.share == other.share).all()
     assert ((one.share >= 0) & (one.share <= 1)).all()
@@ -116,7 +116,7 @@ def test_coverage_counts_what_is_covered(loss):
 
 @pytest.mark.slow
 def test_nominal_95_percent_covers_90_to_98(loss):
-    """200 surrogate data sets, noise, zeros and offsets drawn anew."""
+    """Intervals hold the truth in 90 to 98 % of 200 surrogate data sets, with noise, zeros and offsets drawn anew."""
     found = coverage(loss, WIDE, TRUTH, draws=200, seed=0)
     assert (found.share >= 0.90).all()
     assert (found.share <= 0.985).all()

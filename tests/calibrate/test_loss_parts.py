@@ -9,7 +9,7 @@ from tactiledata.calibrate.losses import VectorLoss
 
 @pytest.mark.parametrize(("prior", "shape_error"), [(4e-5, 0.02), (4e-5, 0.0), (0.0, 0.02), (0.0, 0.0)])
 def test_offsets_and_factors_stand_over_their_priors(prior, shape_error):
-    """Behind six rows a frame: offsets over their prior, then each factor's distance from 1 over its own, if any."""
+    """After six rows a frame come offsets over their prior, then each factor's distance from 1 over its own."""
     world = ClosedFormWorld(count=6)
     shapes = np.array([0, 1, 0, 1, 0, 1])
     measured = world.measured(offsets=3e-5) * np.repeat(np.where(shapes == 0, 1.03, 0.98), 14)[:, None]
@@ -38,7 +38,7 @@ def test_a_row_is_what_was_measured_less_the_factor_times_what_was_simulated():
 
 
 def test_each_row_of_the_residual_belongs_to_a_trajectory():
-    """Six rows a frame, then an offset a trajectory, then each factor with the first trajectory of its indenter."""
+    """A frame has six rows, a trajectory one for its offset, and each factor one of its indenter's first trajectory."""
     world = ClosedFormWorld(count=4)
     shapes = np.array([0, 1, 0, 1])
     loss = VectorLoss(world.response(), world.measured(), NOISE, np.full(4, 40.0), 4e-5, shapes, 0.02)

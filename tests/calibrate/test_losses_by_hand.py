@@ -59,7 +59,7 @@ def test_the_vector_loss_is_the_root_mean_square_of_weighted_differences(level, 
 
 
 def test_what_a_vector_loss_is_by_default(level, measured):
-    """One indenter without a factor of its own; offsets within the repeatability of an arm, 0.04 mm."""
+    """By default one indenter has no factor of its own, and offsets are within an arm's repeatability of 0.04 mm."""
     loss = VectorLoss(Simulated(level), measured, NOISE, MANY)
     assert loss.prior == PRIOR == 4e-5
     assert loss.factors(POINT).tolist() == [1.0]

@@ -37,7 +37,7 @@ def by_code(findings):
 
 
 def test_nothing_is_said_of_a_sound_fit(world):
-    """The negative control of every sentence: the truth well inside the bounds, enough touches that slip."""
+    """No remark is made of a truth well inside the bounds with enough touches that slip."""
     found, _ = said(world, world.measured(offsets=np.random.default_rng(0).normal(0, 3e-5, world.count)))
     assert not set(found) - {"calibration-unidentified"}
     assert "E cannot" not in found.get("calibration-unidentified", "")
@@ -95,7 +95,7 @@ def test_a_misfit_is_said(world):
 
 
 def test_a_common_offset_and_a_far_one_are_said(world):
-    """A shift of all poses, and one trajectory whose tip slipped in its holder."""
+    """A shift of all poses is said, and so is one trajectory whose tip slipped in its holder."""
     common, _ = said(world, world.measured(offsets=8e-5))
     assert "share +0.0" in common["calibration-common-offset"]
     far = np.zeros(world.count)

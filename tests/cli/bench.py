@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from command import run_command
+from copied_trees import copy_tree
 
 
 class Bench:
@@ -19,7 +20,7 @@ class Bench:
 
     @cached_property
     def log(self):
-        return Path(shutil.copytree(self._folder_log, self.folder / "log"))
+        return copy_tree(self._folder_log, self.folder / "log")
 
     @cached_property
     def mcap(self):
@@ -27,7 +28,7 @@ class Bench:
 
     @cached_property
     def store(self):
-        return Path(shutil.copytree(self._store, self.folder / "ds.zarr"))
+        return copy_tree(self._store, self.folder / "ds.zarr")
 
     def edit(self, name, old, new, count=1):
         path = self.log / name

@@ -1,12 +1,12 @@
 """Wrong calls and spoilt stores of many kinds: a clear error, the right exit code, never a traceback."""
 
 import json
-import shutil
 
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 from bench import Cases, assert_answered_in_words
+from copied_trees import copy_tree
 
 CASES = Cases()
 case = CASES.case
@@ -108,7 +108,7 @@ def a_store_whose_tables_were_rewritten(bench):
 
 @case(2, "several stores")
 def two_stores_and_none_named(bench):
-    shutil.copytree(bench.store, bench.folder / "other.zarr")
+    copy_tree(bench.store, bench.folder / "other.zarr")
     return ["split", "--by", "trajectory,sensor"]
 
 
@@ -197,5 +197,5 @@ def test_bad_calls_are_answered_in_words(name, bench, capsys):
 
 
 def test_the_table_stays_wide():
-    """At least 25 kinds."""
+    """The table has at least 25 kinds of bad calls."""
     assert len(CASES) >= 25

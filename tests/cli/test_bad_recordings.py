@@ -266,5 +266,5 @@ def test_bad_recordings_are_answered_in_words(name, bench, capsys):
 
 
 def test_the_table_stays_wide():
-    """At least 25 kinds."""
+    """The table has at least 25 kinds of bad recordings."""
     assert len(CASES) >= 25

@@ -43,7 +43,7 @@ PLACES = [
 @pytest.mark.parametrize("blank", ["", " \t"])
 @pytest.mark.parametrize(("name", "place"), PLACES)
 def test_blank_is_refused_by_name(name, place, blank, tmp_path, monkeypatch, capsys):
-    """Every text and path of every command: exit 2, the option named, nothing written."""
+    """Every blank text and path of every command gives exit 2, names the option, and writes nothing."""
     monkeypatch.chdir(tmp_path)
     parameter = next(one for one in COMMANDS[name].params if one.name == place)
     is_option = option(parameter).startswith("-")

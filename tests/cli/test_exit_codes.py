@@ -126,7 +126,7 @@ def test_a_fault_of_ours_is_json_too(folder, capsys, monkeypatch):
 
 
 def test_ctrl_c_says_that_work_is_kept(folder, capsys, monkeypatch):
-    """One line and exit code 130."""
+    """Ctrl-C gives one line and exit code 130."""
 
     def stop(*_):
         raise KeyboardInterrupt
@@ -140,7 +140,7 @@ def test_ctrl_c_says_that_work_is_kept(folder, capsys, monkeypatch):
 
 
 def test_helps_fit_on_a_line(capsys, monkeypatch):
-    """On a terminal of 80 columns no command's help is cut."""
+    """No command's help is cut on a terminal of 80 columns."""
     monkeypatch.setenv("COLUMNS", "80")
     code, out, _ = run_command(capsys, "--help")
     assert code == 0

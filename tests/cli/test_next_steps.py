@@ -78,7 +78,7 @@ def run_code(capsys, text, marks):
 
 
 def test_every_step_that_is_printed_runs(store, capsys):
-    """From ingest on, every printed next step ends with exit code 0; where no split can be drawn none is named."""
+    """Every next step that is printed ends with exit code 0; where no split can be drawn none is named."""
     place, printed = store
     done = followed(capsys, printed)
     can_split = len(Store.open(place).trajectories()) > 1 and len(Store.open(place).frames()) > 0

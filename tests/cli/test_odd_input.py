@@ -24,7 +24,7 @@ def test_very_long_and_unicode_names_survive(bench, capsys):
 
 
 def test_a_full_disk_loses_nothing(bench, capsys, monkeypatch):
-    """When the disk fills, the message says so, the store is as before, and a later run completes it."""
+    """A full disk is named in the message, the store stays as it was, and a later run completes it."""
     before = (bench.store / "manifest.json").read_bytes()
     fsync = os.fsync
     calls = [0]

@@ -17,7 +17,7 @@ def content(folder):
 @pytest.mark.parametrize("place", ["ds.zarr", "ds.zarr/x", "ds.zarr/streams/../y", "link/z"])
 @pytest.mark.parametrize("name", WITH_OUT)
 def test_output_into_a_store_is_refused(name, place, bench, capsys):
-    """Every command with --out: exit 2, the store named, and not a file more or less in it."""
+    """Every command with --out gives exit 2, names the store, and leaves not a file more or less in it."""
     before = content(bench.store)
     (bench.folder / "link").symlink_to(bench.store)
     code, text = command(capsys, name, "--out", place)
@@ -38,7 +38,7 @@ def test_output_into_a_store_is_refused(name, place, bench, capsys):
     ],
 )
 def test_a_store_in_a_store_is_refused(arguments, bench, capsys):
-    """Merge, ingest and transfer: exit 2, the outer store named, and not a file more or less in it."""
+    """Merge, ingest and transfer give exit 2, name the outer store, and leave not a file more or less in it."""
     assert bench.log.is_dir()
     before = content(bench.store)
     code, text = command(capsys, *arguments)

@@ -1,12 +1,12 @@
 """The command `replay`: what it prints, where it points, and what it refuses."""
 
 import json
-import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 from command import run_command
+from copied_trees import copy_tree
 
 from tactiledata.gel.mesh import structured_pad
 from tactiledata.gel.mesh.structured_pad import GridPlan
@@ -24,7 +24,7 @@ def store(tiny_store, tmp_path, monkeypatch):
     monkeypatch.setenv("TACTILEDATA_CACHE", str(tmp_path / "cache"))
     monkeypatch.setitem(structured_pad.PLANS, "low", ROUGH)
     monkeypatch.chdir(tmp_path)
-    return Path(shutil.copytree(tiny_store, tmp_path / "ds.zarr"))
+    return copy_tree(tiny_store, tmp_path / "ds.zarr")
 
 
 def calibration(offsets):
@@ -71,7 +71,7 @@ def test_it_attaches_and_says_where_to_look(store, capsys):
 
 
 def test_a_calibration_gives_material_and_offsets(store, capsys):
-    """As a document for machines; what is stated beside it wins."""
+    """A calibration is taken as a document for machines; what is stated beside it wins."""
     uid = Store.open(store).trajectories(["uid"])["uid"][0].as_py()
     Path("calibration.json").write_text(json.dumps(calibration({uid: 2e-5})))
     options = ("--fidelity", "linear", "--calibration", "calibration.json")
@@ -100,7 +100,7 @@ def test_a_calibration_gives_material_and_offsets(store, capsys):
     ],
 )
 def test_wrong_calls_change_nothing(store, options, capsys):
-    """Exit code 2, an error in words, and a store without meshes."""
+    """Wrong calls give exit code 2, an error in words, and a store without meshes."""
     code, _, err = run_command(capsys, "replay", *MATERIAL, *options)
     assert code == 2, err
     assert "rror: " in err

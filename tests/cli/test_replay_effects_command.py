@@ -1,12 +1,12 @@
 """`replay --effects`: what it takes from the file, what it says, and which files it refuses."""
 
 import json
-import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 from command import run_command
+from copied_trees import copy_tree
 
 from tactiledata.effects.simulate.setting import EffectSetting, write_settings
 from tactiledata.gel.elasticity.material import GelMaterial
@@ -24,7 +24,7 @@ def store(tiny_store, tmp_path, monkeypatch):
     monkeypatch.setenv("TACTILEDATA_CACHE", str(tmp_path / "cache"))
     monkeypatch.setitem(structured_pad.PLANS, "low", ROUGH)
     monkeypatch.chdir(tmp_path)
-    return Path(shutil.copytree(tiny_store, tmp_path / "ds.zarr"))
+    return copy_tree(tiny_store, tmp_path / "ds.zarr")
 
 
 @pytest.mark.slow

@@ -9,6 +9,7 @@ from pathlib import Path
 import pyarrow.parquet as pq
 import pytest
 from command import run_command
+from copied_trees import copy_tree
 
 from tactiledata.contract.sealed import sealed_json
 from tactiledata.ingest.sources.overview import page
@@ -20,7 +21,7 @@ def written(tiny_store, tmp_path):
     """A function that gives the text of a store's page, without pictures, after the store's split was changed."""
 
     def made(change=lambda store: None):
-        store = Path(shutil.copytree(tiny_store, tmp_path / "ds.zarr"))
+        store = copy_tree(tiny_store, tmp_path / "ds.zarr")
         change(store)
         return page(Store.open(store), None, "default")
 
@@ -50,7 +51,7 @@ def test_counts_are_in_words(written):
     """The first sentence counts what the tiny world holds."""
     text = written()
     assert "2 recordings with 4 trajectories" in text
-    assert "2 recordings whole" in text
+    assert "2 recordings are whole" in text
     assert "out of date" not in text
 
 

@@ -1,12 +1,12 @@
 """`sensors`: what is listed, and pictures that are added from several frames or refused."""
 
 import json
-import shutil
 
 import cv2
 import numpy as np
 import pytest
 from command import run_command
+from copied_trees import copy_tree
 
 from tactiledata.sensors.backgrounds import load_background
 from tactiledata.store.read.reader import Store
@@ -15,7 +15,7 @@ from tactiledata.store.read.reader import Store
 @pytest.fixture
 def folder(tiny_store, tmp_path, monkeypatch):
     """A working folder with one store, and three noisy frames of an untouched unit."""
-    shutil.copytree(tiny_store, tmp_path / "ds.zarr")
+    copy_tree(tiny_store, tmp_path / "ds.zarr")
     rng = np.random.default_rng(0)
     true = load_background("digit-bg-5")
     for name in "abc":
@@ -48,7 +48,7 @@ def test_several_frames_become_one_picture(folder, capsys):
 
 
 def test_one_frame_is_taken_with_a_note(folder, capsys):
-    """From one frame a touch cannot be told; that is said, several frames say nothing."""
+    """One frame cannot tell a touch, and that is said; several frames say nothing."""
     code, out, _ = run_command(capsys, "sensors", "add", "D9", "--background", "a.png", "--json")
     assert code == 0
     assert [finding["code"] for finding in json.loads(out)["findings"]] == ["background-one-frame"]

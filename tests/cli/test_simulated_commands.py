@@ -1,30 +1,11 @@
 """Commands say simulated recordings of a rig's world, and never of logs that do not state it."""
 
 import json
-import shutil
-from pathlib import Path
 
 import pytest
-import yaml
 from command import run_command
 
-from tactiledata.ingest.pipeline import ingest
-
 TERM = "imulated recordings"
-
-
-@pytest.fixture(scope="module")
-def unstated(tiny_folders, tmp_path_factory):
-    """A store of the tiny world whose logs do not state what they are."""
-    place = tmp_path_factory.mktemp("unstated")
-    logs = []
-    for folder in tiny_folders:
-        logs.append(Path(shutil.copytree(folder, place / folder.name)))
-        document = yaml.safe_load((logs[-1] / "log.yaml").read_text())
-        del document["recorded_by"]
-        (logs[-1] / "log.yaml").write_text(yaml.safe_dump(document, sort_keys=False))
-    ingest(logs, place / "ds.zarr")
-    return place / "ds.zarr"
 
 
 COMMANDS = {
@@ -36,7 +17,7 @@ COMMANDS = {
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_commands_say_it_of_a_rigs_world_only(name, tiny_store, unstated, tmp_path, monkeypatch, capsys):
-    """Printed text and JSON of the same recordings, with and without the statement."""
+    """Text and JSON say it of the recordings that state it, and not of the same recordings without the statement."""
     monkeypatch.chdir(tmp_path)
     command, *options = COMMANDS[name]
     for store, simulated in ((tiny_store, 2), (unstated, 0)):
@@ -49,7 +30,7 @@ def test_commands_say_it_of_a_rigs_world_only(name, tiny_store, unstated, tmp_pa
 
 
 def test_a_recorder_says_what_it_makes(tmp_path, capsys):
-    """`record` itself."""
+    """`record` itself says that its recordings are simulated."""
     code, printed, said = run_command(capsys, "record", "tiny", "--out", tmp_path / "logs", "--format", "folder")
     assert code == 0, said
     assert "2 logs of simulated recordings" in printed

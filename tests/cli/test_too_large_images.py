@@ -2,12 +2,12 @@
 
 import json
 import re
-import shutil
 
 import cv2
 import numpy as np
 import pytest
 from command import run_command
+from copied_trees import copy_tree
 
 from tactiledata.contract import image_bytes
 from tactiledata.contract.take import UNUSABLE
@@ -36,14 +36,14 @@ def store(request, kept_before, tiny_store, tmp_path, monkeypatch):
     monkeypatch.setattr(image_bytes, "MAX_DECODED_PIXELS", limit)
     monkeypatch.setattr(cv2, "imdecode", guarded)
     monkeypatch.chdir(tmp_path)
-    return shutil.copytree(before, tmp_path / "ds.zarr")
+    return copy_tree(before, tmp_path / "ds.zarr")
 
 
 @pytest.fixture(scope="module")
 def kept_before(tiny_folders, tmp_path_factory):
     """A store with one large image, at the greatest force of its first touch, that nothing marks."""
     folder = tmp_path_factory.mktemp("large")
-    logs = [shutil.copytree(log, folder / log.name) for log in tiny_folders]
+    logs = [copy_tree(log, folder / log.name) for log in tiny_folders]
     ingest(logs, folder / "plain.zarr")
     frames = Store.open(folder / "plain.zarr").frames(["trajectory", "contact_force"])
     first = frames["trajectory"].to_numpy() == 0
@@ -71,7 +71,7 @@ FAILURES = {
 
 @pytest.mark.parametrize("name", FAILURES)
 def test_a_command_that_needs_the_image_says_what_to_do(name, store, capsys):
-    """Exit 1, without decoding: the frame and its size, the limit, and the command that marks it."""
+    """Without decoding, exit 1 names the frame and its size, the limit, and the command that marks it."""
     verb, *options = FAILURES[name]
     code, out, err = run_command(capsys, verb, store, *options)
     said = out + err

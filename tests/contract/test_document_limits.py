@@ -70,7 +70,7 @@ def test_a_value_inside_itself_is_refused(text, tmp_path):
     ],
 )
 def test_a_schemas_own_refusal_is_said_for_what_it_excludes(schema, value, words):
-    """The sentence of the schema for an excluded value alone; otherwise the checker's."""
+    """The schema's own sentence is given for an excluded value alone, and otherwise the checker's."""
     (fault,) = jsonschema.Draft202012Validator(schema).iter_errors(value)
     assert schemas._words(fault) == words
 
@@ -90,7 +90,7 @@ def test_the_first_fault_by_its_place_is_the_fact():
     [('{"b": 1, "a": 2, "a": 3}', "a"), ('{"b": 1, "a": 2, "c": {}, "b": 3}', "b"), ('[{"x": 1, "x": 1}]', "x")],
 )
 def test_the_key_that_is_given_twice_is_named(text, key):
-    """Not the first key, but the one that comes again."""
+    """The error names the key that comes again, not the first key of the document."""
     with pytest.raises(SchemaError, match=f"the key '{key}' is given twice"):
         parse_document(text, "log.json")
 

@@ -130,7 +130,7 @@ def test_a_yaml_bomb_is_refused():
 
 
 def test_bytes_that_are_no_text(tmp_path):
-    """Not UTF-8: the error says at which byte. A byte order mark is accepted."""
+    """Bytes that are not UTF-8 are refused with their place, and a byte order mark is accepted."""
     (tmp_path / "latin.yaml").write_bytes("title: Prüfung\n".encode("latin-1"))
     with pytest.raises(SchemaError, match="byte 9"):
         read_document(tmp_path / "latin.yaml")

@@ -98,7 +98,7 @@ def test_other_segments_are_passed_over_by_their_length(mark):
 
 @pytest.mark.parametrize("mark", [0x01, *range(0xD0, 0xD8)])
 def test_marks_that_stand_alone(mark):
-    """Two bytes without a length, eight restarts and one more, even twice in a row."""
+    """Marks without a length are passed over: eight restarts and one more, even twice in a row."""
     alone = bytes([0xFF, mark])
     assert facts(START + alone + alone + frame() + END)[:2] == (3, 5)
 

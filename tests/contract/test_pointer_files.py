@@ -44,7 +44,7 @@ def test_a_pointer_is_told_by_how_it_begins(tmp_path, content, is_pointer):
 
 
 def test_what_is_no_file_is_no_pointer(tmp_path):
-    """A folder, a pipe that nobody writes to and a path without anything: asked without waiting."""
+    """A folder, a pipe that nobody writes to and a path without anything are no pointers, without waiting."""
     os.mkfifo(tmp_path / "pipe")
     for path in (tmp_path, tmp_path / "pipe", tmp_path / "nothing", tmp_path / ("x" * 300)):
         assert not is_lfs_pointer(path)

@@ -34,7 +34,7 @@ def test_stamps_of_some_samples(rows):
 
 
 def test_what_a_recording_holds_by_default():
-    """Nothing but a source and a description; its host clock is that of its log."""
+    """A recording holds a source and a description by default, and its host clock is that of its log."""
     source = Source("a.mcap", "a", "mcap", ("a.mcap",))
     recording = Recording(source, None)
     assert (recording.host_clock, recording.trajectories, recording.findings) == ("log", (), ())

@@ -21,7 +21,7 @@ from tactiledata.contract.simulated import NOTHING_STATED, SimulatedCount, recor
     ],
 )
 def test_only_the_two_words_state_anything(recorder, kind):
-    """Simulated or real, in any case and with spaces around; anything else, and nothing, states nothing."""
+    """Only simulated and real state anything, in any case and with spaces around."""
     assert recording_kind({"recorded_by": recorder}) == kind
     assert recording_kind({}) == "not stated"
 
@@ -45,7 +45,7 @@ def test_the_sentence_agrees_in_number(count, sentence):
 
 
 def test_titles_and_captions_carry_the_label():
-    """In brackets behind a title, as a sentence behind a caption; where nothing is simulated they stay as they are."""
+    """The label follows a title in brackets and a caption as a sentence; where nothing is simulated there is none."""
     some, none = SimulatedCount(1, 2), SimulatedCount(0, 2)
     assert some.titled("Forces") == "Forces (simulated recordings: 1 of 3)"
     assert some.captioned("Forces.") == "Forces. Simulated recordings: 1 of 3."

@@ -18,5 +18,5 @@ from tactiledata.contract.wording import counted
     ],
 )
 def test_a_noun_is_in_the_singular_after_one_alone(number, noun, words):
-    """One frame, otherwise frames; one trajectory, otherwise trajectories."""
+    """One frame is in the singular, and all other numbers take the plural, of trajectories too."""
     assert counted(number, noun) == words

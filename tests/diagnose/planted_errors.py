@@ -24,16 +24,31 @@ def _blank():
 
 
 def _measured(touch_set, wrench):
-    """The same touches with other measured wrenches (N, 6)."""
+    """A touch with other measured wrenches (N, 6)."""
     rows = np.split(wrench, np.cumsum(touch_set.counts)[:-1])
     cases = [dataclasses.replace(case, measured=part) for case, part in zip(touch_set.touches, rows, strict=True)]
     return TouchSet(cases, touch_set.base)
 
 
-def planted_errors(sizes, seed=0):
-    """Whitened touches of which each error of the simulation is drawn: `sizes`, family -> standard deviations."""
+def planted_errors(sizes, seed=0, only=None):
+    """Whitened touches of which each error of the simulation is drawn: `sizes`, family -> standard deviations.
+
+    With ``only`` the name of an indenter, errors are drawn under it alone.
+    """
     white, simulated, fields = _blank()
     chance = np.random.default_rng(seed)
     drawn = np.array([sizes.get(error.family, 0.0) * chance.normal() for error in white.simulation_errors])
+    if only is not None:
+        drawn *= [error.indenter == only for error in white.simulation_errors]
     noise = chance.normal(size=simulated.shape) * NOISE.deviations
     return WhitenedTouches.of(_measured(white.touch_set, simulated + fields @ drawn + noise))
+
+
+def planted_factors(sizes, seed=0):
+    """Whitened touches whose forces are each multiplied by a factor about 1: `sizes`, indenter -> its deviation."""
+    white, simulated, _ = _blank()
+    chance = np.random.default_rng(seed)
+    factors = [1.0 + sizes.get(case.touch.indenter_name, 0.0) * chance.normal() for case in white.touch_set.touches]
+    noise = chance.normal(size=simulated.shape) * NOISE.deviations
+    wrench = simulated * np.array(factors)[white.trajectory][:, None] + noise
+    return WhitenedTouches.of(_measured(white.touch_set, wrench))

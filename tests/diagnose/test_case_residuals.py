@@ -41,13 +41,13 @@ def quiet():
 
 
 def test_nulls_are_seldom_structured():
-    """Contact laws that differ by some per cent, jitter and coloured noise: of 6 such worlds at most one alarms."""
+    """Of 6 worlds with errors of contact laws, jitter and coloured noise, at most one alarms."""
     alarms = [located(World(), 24, seed, 299).is_structured for seed in range(9100, 9106)]
     assert sum(alarms) <= 1
 
 
 def test_the_level_holds_over_many_nulls():
-    """At most 5 % and three standard errors of 60 nulls are called structured."""
+    """Of 60 nulls, at most 5 % and three standard errors are called structured."""
     alarms = [located(World(), 24, seed, 499).is_structured for seed in range(9000, 9060)]
     assert np.mean(alarms) <= 0.05 + 3 * np.sqrt(0.05 * 0.95 / 60)
 
@@ -112,7 +112,7 @@ def test_errors_of_the_simulation_are_never_asked(quiet):
 
 
 def test_frames_without_a_wrench_are_left_out(quiet):
-    """Such frames are no rows; covariates that need the frame before stay finite."""
+    """Frames without a wrench are no rows, and covariates that need the frame before stay finite."""
     white, _ = quiet
     cases = list(white.touch_set.touches)
     measured = cases[3].measured.copy()

@@ -24,7 +24,7 @@ def quiet():
 
 
 def elsewhere(cases, deeper):
-    """The same recordings, of which the log tells poses that lack by how much deeper each indenter really is, m."""
+    """The recordings with poses in the log that lack by how much deeper each indenter really is, m."""
     told = []
     for case in cases.touches:
         poses = case.touch.poses.copy()
@@ -54,7 +54,7 @@ def test_each_indenter_gets_its_own_offset_back(quiet):
 
 
 def test_nothing_is_missing_where_every_indenter_sits_as_told(quiet):
-    """So many numbers do not make a name of what two contact laws disagree in."""
+    """What two contact laws disagree in is given no name, however many numbers there are."""
     found = Answer(name_effects(quiet, START, NamingOptions(effects=FEW, profile=False)))
     assert found.naming.decision.verdict == "nothing found"
 

@@ -29,7 +29,7 @@ def found(world, seed=0, draws=DRAWS):
 
 
 def test_nulls_follow_nothing():
-    """At most 5 % and three standard errors of 60 nulls are called drifts, with correlated noise, unequal offsets."""
+    """Of 60 nulls with correlated noise and unequal offsets, 5 % and three standard errors at most are drifts."""
     alarms = [found(with_distance(planted(seed)))[0].p <= 0.05 for seed in range(60)]
     assert np.mean(alarms) <= 0.05 + 3 * np.sqrt(0.05 * 0.95 / 60)
 
@@ -44,7 +44,7 @@ def test_values_are_those_that_were_dealt():
 
 
 def test_values_are_the_most_likely_ones_under_all_priors():
-    """Normal equations over all numbers at once, written out, with the prior of an error that two indenters share."""
+    """The values are those of the normal equations over all numbers, with an error that two indenters share."""
     world = planted(6)
     field = world.slopes[:, :, 2] * (0.02 * (world.labels["indenter"] != "cone"))[:, None]
     error = dataclasses.replace(ResidualParameter("error"), is_tested=False, prior_deviation=1.0)
@@ -73,7 +73,7 @@ def test_a_dome_is_told_by_the_distance_from_the_middle(seed):
 
 
 def test_an_indenter_is_named():
-    """An offset of its own: at its level, with its sign."""
+    """An indenter with an offset of its own is named, at its level, with its sign."""
     world = planted(4, 60)
     deeper = world.slopes[:, :, 2] * (0.1 * (world.labels["indenter"] == "cone"))[:, None]
     first = found(world.with_values(world.values + deeper))[0]
@@ -94,7 +94,7 @@ def test_parameters_that_are_not_asked_are_silent():
 
 
 def test_blocks_are_exchanged_as_one():
-    """Two of each: half as many units as trajectories."""
+    """Blocks of two trajectories are exchanged as one: there are half as many units as trajectories."""
     world = planted(0)
     blocked = dataclasses.replace(world, blocks=world.groups // 2)
     assert own_values(project(blocked))["offset"].shape == (20,)

@@ -95,7 +95,7 @@ def test_a_rate_makes_no_number_with_a_time():
 
 
 def test_names_say_what_columns_are():
-    """Group, quantity with noise, covariates with units, labels, time."""
+    """Names tell the group, the quantity with its noise, covariates with units, labels and time."""
     columns = columns_of(presses())
     assert columns.group == "trial"
     quantity = columns.quantities[0]
@@ -105,7 +105,7 @@ def test_names_say_what_columns_are():
 
 
 def test_a_document_says_the_same():
-    """The same residuals by names and by a document."""
+    """A table that is described by a document has the same residuals as by its names."""
     table = presses()
     document = {
         "format": "tactiledata-columns/1",
@@ -196,7 +196,7 @@ def test_bad_tables_are_answered_in_words(what):
 
 
 def test_files_that_are_no_tables(tmp_path):
-    """Missing, of another kind, empty, torn."""
+    """Files that are missing, of another kind, empty or torn are refused."""
     with pytest.raises(MissingFile):
         read_table(tmp_path / "nowhere.csv")
     (tmp_path / "notes.txt").write_text("hello")
@@ -227,7 +227,7 @@ def test_gaps_are_left_out_and_said():
 
 
 def test_long_tables_are_thinned_and_it_is_said():
-    """Every other row of each group, its first one always."""
+    """Every other row of each group is kept, its first one always."""
     table = presses(0, 100, 210)
     read = residuals_of(table)
     assert len(read.residuals.values) == 100 * 105
@@ -344,7 +344,7 @@ def test_without_the_noise_it_is_found_too(tmp_path):
 
 @pytest.mark.slow
 def test_nothing_is_a_first_class_answer(tmp_path):
-    """Noise, correlated and with scales of its own in each trial: nothing found, in plain words."""
+    """Correlated noise with scales of its own in each trial gives the plain answer that nothing was found."""
     _, _, document = diagnose_table(saved(tmp_path, presses(5, 40)))
     assert document["answer"] == "nothing found"
     assert document["sentences"][0].startswith("Nothing found")
@@ -363,7 +363,7 @@ def test_a_common_factor_is_a_calibration(tmp_path):
 
 @pytest.mark.slow
 def test_the_same_table_gives_the_same_document(tmp_path):
-    """Byte for byte."""
+    """The same table gives the same document byte for byte."""
     path = saved(tmp_path, presses(4, 20, rate=0.1))
     one, other = (json.dumps(diagnose_table(path, seed=5)[2]) for _ in range(2))
     assert one == other
@@ -371,7 +371,7 @@ def test_the_same_table_gives_the_same_document(tmp_path):
 
 @pytest.mark.slow
 def test_empty_tables_are_rarely_called_structured(tmp_path):
-    """At most one in twenty of 100 empty tables, without known noise, is called structured."""
+    """Of 100 empty tables without known noise, at most one in twenty is called structured."""
     from tactiledata.diagnose.locate.locate import LocateOptions, locate
 
     alarms = [

@@ -26,7 +26,7 @@ def diagnosis(verdict, zeros=(), formula=None, is_left=False):
 
 
 def test_schema_and_page_have_the_words_of_the_code():
-    """Each word once, in the order of the code, and with its meaning."""
+    """The schema and the page have each word once, in the order of the code, and with its meaning."""
     schema = load_schema("diagnosis")
     known = schema["$defs"]["verdict"]
     assert known["enum"] == [verdict.value for verdict in Verdict] == [verdict.value for verdict in MEANINGS]

@@ -69,7 +69,7 @@ def test_a_parabola_carries_the_thickness(gel):
 
 
 def test_a_soft_spot_is_met_to_first_order(gel, touch, play):
-    """Loss of force within a quarter and 0.01, the centre of pressure within 20 um, over and beside the spot."""
+    """Loss of force is met within a quarter and 0.01, the centre of pressure within 20 um, over and beside the spot."""
     spot = {"normal_loss": 0.3, "radius": 2e-3}
     for x in (0.0, 2e-3, 4e-3):
         poses = press([-1e-4, 4e-4, 1e-3], x)

@@ -70,7 +70,7 @@ def test_values_outside_the_bounds_are_refused(value):
 
 
 def test_what_can_be_believed_includes_the_ends():
-    """-1 to 2."""
+    """The plausible range from -1 to 2 includes both ends."""
     assert [WEIGHT.is_plausible(value) for value in (-1.01, -1.0, 0.0, 2.0, 2.01)] == [False, True, True, True, False]
 
 
@@ -93,6 +93,17 @@ AXES = {
         ("gain_crosstalk", row + column): f"share of {column} that shows in {row}"
         for row, column in ("xy", "xz", "yx", "yz", "zx", "zy")
     },
+    **{("gain_crosstalk", f"m{axis}"): f"error of the gain of the torque about {axis}" for axis in "xyz"},
+    **{
+        ("gain_crosstalk", f"m{row}_{column}"): f"torque about {row} that a force along {column} shows"
+        for row in "xyz"
+        for column in "xyz"
+    },
+    **{
+        ("gain_crosstalk", f"{row}_m{column}"): f"force along {row} that a torque about {column} shows"
+        for row in "xyz"
+        for column in "xyz"
+    },
 }
 """What the meaning of a component says."""
 
@@ -101,4 +112,4 @@ def test_components_are_told_by_their_axis():
     """A component named after an axis says that axis, and cross-talk which of the two shows in the other."""
     meanings = {(name, parameter.name): parameter.meaning for name, parameter in PARAMETERS}
     assert [key for key, words in AXES.items() if words not in meanings[key]] == []
-    assert [name for name, parameter in PARAMETERS if name == "gain_crosstalk"] == ["gain_crosstalk"] * 10
+    assert [name for name, parameter in PARAMETERS if name == "gain_crosstalk"] == ["gain_crosstalk"] * 31

@@ -84,7 +84,7 @@ def test_parameters_are_sound(name):
 
 @every_effect
 def test_null_is_the_identity(name, touch):
-    """With null strengths and any shapes, the state is the very same object."""
+    """Null strengths with any shapes give back the very same object."""
     state = TouchState.start(touch, BallOnLayer(touch))
     rng = np.random.default_rng(1)
     assert EFFECTS[name]().apply(state, {}) is state

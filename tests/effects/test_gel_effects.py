@@ -125,7 +125,7 @@ def test_the_edge_is_felt_within_a_radius(touch, play, moved):
 
 
 def test_the_housing_pushes_where_the_body_reaches_it(touch, play, moved):
-    """Stiffness times overlap at the rim, with a torque about the border; nothing in the middle of the pad."""
+    """The push is stiffness times overlap at the rim, with a torque about the border, and 0 in the middle."""
     half, rim = touch.geometry.outline[0] / 2, touch.geometry.thickness - touch.geometry.edge_thickness
     press = moved(touch, np.arange(2.0), np.array([0.0, rim + 5e-4]), x=half - 1e-3)
     plain, state = play(on=press).wrench[1], play("pad_edge", on=press, housing=1e4).wrench[1]

@@ -32,7 +32,7 @@ def test_it_is_played_in_its_slot(added, touch):
 
 
 def test_at_its_null_no_bit_changes(added, touch):
-    """Beside all other effects at null, it leaves the bytes of the plain simulation."""
+    """Beside all other effects at null, the effect leaves the bytes of the plain simulation."""
     plain = with_effects(BallOnLayer, []).play(touch)
     state = with_effects(BallOnLayer, [EffectSetting(name) for name in EFFECTS]).play(touch)
     assert EXAMPLE in EFFECTS

@@ -52,7 +52,7 @@ def test_wrist_and_stem_are_springs_in_series(touch, play, moved):
 
 
 def test_stems_bend_as_beams():
-    """3 E I / L^3: 4 mm and 10 mm of printed plastic, 30 mm long."""
+    """Stems of 4 mm and 10 mm of printed plastic, 30 mm long, bend by 3 E I / L^3."""
     assert stem_stiffness(0.004, 0.03) == pytest.approx(3 * 2.5e9 * math.pi * 0.002**4 / 4 / 0.03**3)
     assert stem_stiffness(0.010, 0.03) == pytest.approx(1.4e5, rel=0.05)
     assert stem_stiffness(0.004, 0.03) == stem_stiffness(0.004, 0.03, 2.5e9)
@@ -71,7 +71,7 @@ def test_an_offset_is_another_path(touch, play):
 
 @pytest.mark.parametrize(("error", "tolerance"), [(0.03, 1e-9), (-0.03, 1e-9), (0.015, 2e-3)])
 def test_a_radius_error_is_another_ball(touch, play, error, tolerance):
-    """At the design points exactly, between them to second order."""
+    """A radius error gives the wrench of another ball: exactly at the design points, to second order between them."""
     other = dataclasses.replace(touch, indenter=Sphere(touch.indenter.radius * (1.0 + error)))
     change = play(on=other).wrench - play().wrench
     found = play("mount_offset", radius_error=error).wrench - play().wrench
@@ -80,7 +80,7 @@ def test_a_radius_error_is_another_ball(touch, play, error, tolerance):
 
 
 def test_a_setting_may_hold_for_one_mounting_only(touch, play):
-    """Of two mountings, one is displaced."""
+    """A setting for one of two mountings displaces that one only."""
     here = EffectSetting("mount_offset", {"deeper": 1e-4}, {"mount": "first"})
     simulator = with_effects(BallOnLayer, [here])
     elsewhere = dataclasses.replace(touch, mount="second")
@@ -117,7 +117,7 @@ def test_the_softest_springs_find_their_balance(touch):
 
 
 def test_no_balance_is_said(touch, monkeypatch):
-    """Where the rounds do not suffice there is an error, not a number."""
+    """An error is raised, and no number given, if the rounds do not suffice."""
     monkeypatch.setattr("tactiledata.effects.simulate.simulator.MOST_ROUNDS", 3)
     with pytest.raises(UsageError, match="no balance"):
         with_effects(BallOnLayer, SOFTEST).play(touch)

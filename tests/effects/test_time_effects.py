@@ -25,7 +25,7 @@ def convolution(seconds, force, at, time):
 
 @pytest.mark.parametrize("time", [0.05, 1.0, 40.0])
 def test_memory_is_the_convolution_integral(time):
-    """On frames of uneven spacing, against quadrature."""
+    """The memory on frames of uneven spacing is the convolution integral, found by quadrature."""
     rng = np.random.default_rng(0)
     seconds = np.cumsum(rng.uniform(0.02, 0.5, 20))
     wrench = np.cumsum(rng.normal(size=(20, 6)), axis=0)
@@ -181,7 +181,7 @@ def test_free_air_ends_a_shear_and_its_memory(lifted):
 
 
 def test_a_slide_that_takes_long_leaves_the_strain_that_has_its_shear():
-    """Three time constants to the limit C: S = C / (1 + g k), k = (1 - e^-3) / 3; at rest then S (1 + g k e^(-t))."""
+    """After three time constants at the limit C, S = C / (1 + g k) with k = (1 - e^-3) / 3; it decays at rest."""
     share, time, limit = 0.5, 2.0, 3.0
     seconds = np.array([0.0, 6.0, 7.0, 9.0])
     elastic = np.outer([0.0, 4.0, 4.0, 4.0], [0.6, 0.8])

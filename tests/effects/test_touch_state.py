@@ -56,7 +56,7 @@ def test_what_moves_or_rubs_asks_anew(state, change):
 
 
 def test_a_state_to_which_nothing_was_added_has_every_bit_of_the_answer(touch):
-    """The sign of a zero included."""
+    """The state has every bit of the answer, the sign of a zero included."""
     answered = np.full((len(touch), 6), -0.0)
 
     class Zero(BallOnLayer):

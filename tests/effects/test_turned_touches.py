@@ -41,13 +41,19 @@ def with_axes(name, values, turn):
     if name == "gain_crosstalk":
         gains = turn @ np.array([[values[row + column] for column in "xyz"] for row in "xyz"]) @ turn.T
         values |= {row + column: gains[r, c] for r, row in enumerate("xyz") for c, column in enumerate("xyz")}
+        for kind in ("m{row}_{column}", "{row}_m{column}"):
+            keys = [[kind.format(row=row, column=column) for column in "xyz"] for row in "xyz"]
+            mixed = turn @ np.array([[values[key] for key in row] for row in keys]) @ turn.T
+            values |= {keys[r][c]: mixed[r, c] for r in range(3) for c in range(3)}
+        # a quarter of a turn exchanges the gains of the torques about x and y
+        values |= dict(zip(("mx", "my", "mz"), np.abs(turn) @ [values[f"m{axis}"] for axis in "xyz"], strict=True))
     return values
 
 
 @pytest.mark.parametrize("quarters", [1, 2])
 @pytest.mark.parametrize("name", EFFECTS)
 def test_a_turned_touch_has_a_turned_wrench(name, quarters, touch, medium):
-    """A quarter and half of a turn: force and torque turn with the touch."""
+    """After a quarter and half of a turn, force and torque turn with the touch."""
     turn = np.linalg.matrix_power(np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]), quarters)
     found = []
     for way in (np.eye(3), turn):

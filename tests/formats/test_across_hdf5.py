@@ -19,7 +19,7 @@ def first(folder, **settings):
 
 
 def test_meshes_and_forces(tmp_path):
-    """Trials and environments one after another, steps 0 … 10 by number, vertices in metres, forces in newtons."""
+    """Trials and environments follow one another, steps 0 … 10 by number, vertices in metres, forces in newtons."""
     recording, sink = first(tmp_path)
     assert [touch.name for touch in recording.trajectories] == [
         f"trial_{i}-env_{k}" for i in range(2) for k in range(3)

@@ -17,7 +17,7 @@ def first(folder, **settings):
 
 
 def test_frames_come_back_into_their_sequences(tmp_path):
-    """Train and val together, one trajectory a key prefix, frames in natural order, the published part kept."""
+    """Train and val give one trajectory a key prefix, with frames in natural order and the published part kept."""
     recording, sink = first(tmp_path, sequences=3, frames=12)
     assert [touch.name for touch in recording.trajectories] == ["0_2", "1_2", "2_2"]
     assert [image.name for image in sink.images] == [key for key, _, _ in fota.keys("yuan18", 3, 12)]

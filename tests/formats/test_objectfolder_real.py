@@ -17,7 +17,7 @@ def write(folder, **faults):
 
 
 def test_objects_trials_and_frames_in_natural_order(tmp_path):
-    """Objects 1, 2, 10, trials as trajectories, frames 0 … 11 by number, PNG bytes as they came."""
+    """Objects are read as 1, 2, 10, trials as trajectories, frames 0 … 11 by number, PNG bytes as they came."""
     root = write(tmp_path)
     taken = read(FORMAT, root)
     assert [recording.source.key.split("/")[-1] for recording, _ in taken] == ["1", "2", "10"]

@@ -23,7 +23,7 @@ def first(folder, **settings):
 
 
 def test_batches_images_and_forces(tmp_path):
-    """One source per batch; images of all files in order; forces where measured, NaN elsewhere; slip and contact."""
+    """A batch is a source with images of all files in order, forces where measured, NaN elsewhere, slip and contact."""
     root = sparsh_force.write(tmp_path, np.random.default_rng(9))
     taken = read(FORMAT, root)
     assert [recording.trajectories[0].indenter for recording, _ in taken] == ["flat", "sharp", "sphere"]

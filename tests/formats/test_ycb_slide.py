@@ -29,7 +29,7 @@ def rng():
 
 
 def test_layout_real_and_simulated(tmp_path, rng):
-    """One source and one trajectory per dataset_k and simulated run, files complete, images kept byte by byte."""
+    """Each dataset_k and simulated run is one source and one trajectory, with its files and images byte by byte."""
     root = ycb_slide.write(tmp_path, rng)
     taken = read(FORMAT, root)
     assert [recording.source.key for recording, _ in taken][:3] == [

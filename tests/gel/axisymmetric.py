@@ -67,7 +67,7 @@ class Layer:
         return np.array(forces), shapes
 
     def _pressed_further(self, u, held, nu, is_linear, radius, before, depth):
-        """On from one depth to another in one step, or by halves."""
+        """The solution at a further depth, reached in one step or by halves."""
         if depth - before < 6e-5:
             reached = self._equilibrium(u, held, nu, is_linear, (radius, depth))
             if reached is not None:

@@ -75,7 +75,7 @@ def fine():
 @pytest.mark.slow
 @pytest.mark.parametrize("fidelity", ["linear", "finite-strain"])
 def test_ball_on_a_layer(layer, fine, fidelity):
-    """Force within 2 % and the surface within 3 % of the depth of an axisymmetric solution with its own contact."""
+    """Force is within 2 % and the surface within 3 % of the depth of an axisymmetric solution with its own contact."""
     expected, shapes = layer.balled(4e-3, DEPTHS, 0.47, fidelity == "linear")
     engine = FemEngine(fine, 0.47, fidelity)
     history = pressed(
@@ -107,7 +107,7 @@ def test_no_locking(layer):
 @pytest.mark.slow
 @pytest.mark.parametrize(("friction", "is_glued"), [(0.0, False), (50.0, True)])
 def test_flat_punch_on_a_bonded_layer(friction, is_glued):
-    """A punch of 3 mm, sliding freely or glued: force within 3 % of the axisymmetric solution."""
+    """A punch of 3 mm, sliding freely or glued, has the force of the axisymmetric solution within 3 %."""
     yardstick = Layer(12e-3, 4e-3, 1e-4, 3.8e-3).punched(3e-3, 3e-4, 0.47, True, is_glued, 1)
     mesh = slab(0.3e-3, 15, 3.3e-3, LEVELS, 3.5e-3)
     force = forces_at(mesh, 0.47, "linear", CylinderFlat(radius=3e-3), [1.5e-4, 3e-4], friction)[-1]

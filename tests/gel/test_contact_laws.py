@@ -113,7 +113,7 @@ def test_symmetry(engine):
 
 
 def test_youngs_modulus_scales_out(engine):
-    """Twice the modulus: bit for bit the same shapes, and twice the force."""
+    """Twice the modulus gives bit for bit the same shapes, and twice the force."""
     soft, stiff = (pressed(engine, BALL, SHEARED, 0.6, modulus) for modulus in (0.5e6, 1.0e6))
     np.testing.assert_array_equal(soft.displacement, stiff.displacement)
     np.testing.assert_array_equal(2 * soft.wrench, stiff.wrench)
@@ -129,9 +129,9 @@ def test_again_is_the_same(engine):
 def test_company_changes_nothing(engine):
     """Trajectories in lockstep end as they do alone."""
     material = GelMaterial(1e6, NU, 0.5)
-    touches = [GelTouch(BALL, SHEARED[: 3 + number] + _moved(1e-4 * number)) for number in range(5)]
-    alone, together = (dict(engine.play(touches, material, width=width)) for width in (1, 4))
-    assert sorted(together) == list(range(5))
+    touches = [GelTouch(BALL, SHEARED[: 3 + number] + _moved(1e-4 * number)) for number in range(4)]
+    alone, together = (dict(engine.play(touches, material, width=width)) for width in (1, 3))
+    assert sorted(together) == list(range(4))
     for number, history in alone.items():
         np.testing.assert_array_equal(history.status, together[number].status)
         np.testing.assert_allclose(history.wrench, together[number].wrench, rtol=1e-6, atol=1e-9)

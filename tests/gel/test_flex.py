@@ -38,7 +38,7 @@ def engine():
 
 @pytest.fixture(scope="module")
 def history(engine):
-    """In the air, down in three frames, sideways in two, in the air."""
+    """Poses in the air, down in three frames, sideways in two, and in the air again."""
     down = [(0.3, 0.1, -depth) for depth in DEPTHS]
     path = poses((0.3, 0.1, 0.5), *down, (0.4, 0.1, -0.6), (0.5, 0.1, -0.6), (0.5, 0.1, 0.2))
     return pressed(engine, Sphere(4e-3), path, friction=0.3)
@@ -90,7 +90,7 @@ def test_forces_are_too_high_by_a_known_factor(history, engine):
 
 
 def test_forces_on_a_finer_pad():
-    """2,100 vertices on the DIGIT's dome: less, and still half too high at little depth."""
+    """On 2,100 vertices of the DIGIT's dome forces are lower, and still half too high at little depth."""
     pad = structured_pad("finer", DIGIT.gel, GridPlan(10, 12, 0.6e-3, (3.6e-3, 4.8e-3), (0.0, 0.42, 0.75, 1.0)))
     path = poses((0.13, 0.07, -0.2), (0.13, 0.07, -0.5))
     found, expected = (

@@ -6,7 +6,8 @@ import pickle
 import numpy as np
 import pytest
 import trimesh
-from hypothesis import given, settings
+from few_examples import few
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tactiledata.errors import MissingFile, SchemaError, UnsafeContent
@@ -193,7 +194,7 @@ def test_oversized_file_is_refused(folder, monkeypatch):
 
 
 @pytest.mark.parametrize("kind", ["stl", "obj", "ply"])
-@settings(max_examples=30)
+@few(30)
 @given(cut=st.floats(0, 1), noise=st.binary(max_size=40), place=st.floats(0, 1))
 def test_broken_file_is_refused_or_read(tmp_path_factory, kind, cut, noise, place):
     """Cut and overwritten files give a mesh or one of our errors, never another."""

@@ -19,7 +19,7 @@ from tactiledata.ingest.sources.reports import SourceReport
 from tactiledata.ingest.trajectories.assemble import IngestOptions
 from tactiledata.store.read.reader import Store
 from tests.ingest.made_takes import take
-from tests.ingest.test_replacing_plan import Staged
+from tests.ingest.sources.test_replacing_plan import Staged
 
 
 def task(key="run"):
@@ -133,7 +133,7 @@ class Tables:
 
 
 def test_sources_that_were_taken_with_other_options(monkeypatch, tmp_path):
-    """By the digest of the options; a store of before there were any took them otherwise."""
+    """Other options are known by their digest, and a store of before there were any took its sources otherwise."""
     mine = digest_of(IngestOptions().document())
     settings = {"a": {"settings_sha256": mine}, "b": {"settings_sha256": "x"}, "c": {}}
     rows = [{"sha256": name, "provenance": json.dumps(value)} for name, value in settings.items()]
@@ -167,7 +167,7 @@ def test_twins_and_conflicts_are_added_to_the_reports(monkeypatch, tmp_path):
 
 
 def test_a_waiting_take_is_used_where_it_was_read_with_the_same_options(monkeypatch, tmp_path):
-    """Of the same source; another, or one read otherwise, is read again."""
+    """A waiting take of the same source and options is used; another, or one read otherwise, is read again."""
     mine, other = Staged("a"), Staged("b")
     mine.document["provenance"] = {"settings_sha256": digest_of(IngestOptions().document())}
     other.document["provenance"] = {}
@@ -189,7 +189,7 @@ def picture_folder(place, count=3):
 
 
 def test_pictures_become_a_store(tmp_path):
-    """Told as they come; again they are present, and with ``replace`` nothing changes either."""
+    """Pictures become a store and are told as they come; again, or with ``replace``, nothing changes."""
     log, store, told = picture_folder(tmp_path / "run"), tmp_path / "ds.zarr", []
     report = ingest([log], store, progress=lambda *said: told.append(said))
     assert [(one.state, one.frames) for one in report.sources] == [("added", 3)]
@@ -215,7 +215,7 @@ def test_what_was_left_out_is_reported(tmp_path):
 
 
 def test_splits_of_before_are_named_where_the_store_changed(tmp_path, monkeypatch):
-    """And not where nothing came in."""
+    """Splits of before are named if the store changed, and not if nothing came in."""
     log, store = picture_folder(tmp_path / "run"), tmp_path / "ds.zarr"
     ingest([log], store)
     monkeypatch.setattr(Store, "split_names", lambda self: ["default"])
@@ -224,7 +224,7 @@ def test_splits_of_before_are_named_where_the_store_changed(tmp_path, monkeypatc
 
 
 def test_a_store_that_got_nothing_is_taken_away_again(tmp_path):
-    """With its folder where that was made for it; a user's empty folder stays, and so does a store that was there."""
+    """A store that got nothing is removed, with a folder made for it; a user's empty folder and an older store stay."""
 
     def stopped(store):
         with pipeline._intake(store):
@@ -250,7 +250,7 @@ def test_a_store_that_got_nothing_is_taken_away_again(tmp_path):
 
 
 def test_a_store_with_a_waiting_take_stays(tmp_path, monkeypatch):
-    """So that the next call goes on with it."""
+    """A store with a waiting take stays, so that the next call goes on with it."""
     monkeypatch.setattr(pipeline, "find_staged", lambda folder: {"a": 1})
     with pipeline._intake(tmp_path / "ds.zarr"):
         ...

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 
 import pytest
 import yaml
+from copied_trees import copy_tree
 from typer.testing import CliRunner
 
 from tactiledata.cli.main import app
@@ -57,7 +58,7 @@ def test_a_corrected_mapping_replaces(tiny_mcaps, tiny_store, wrong):
 
 def test_an_edited_log_replaces_its_recording(tiny_folders, tmp_path):
     """An edited log.yaml has another digest; by name and images it is the recording that it was before."""
-    logs = [shutil.copytree(log, tmp_path / "logs" / log.name) for log in tiny_folders]
+    logs = [copy_tree(log, tmp_path / "logs" / log.name) for log in tiny_folders]
     ingest(logs, tmp_path / "ds.zarr")
     for log in logs[:1]:
         described = yaml.safe_load((log / "log.yaml").read_text())
@@ -72,7 +73,7 @@ def test_an_edited_log_replaces_its_recording(tiny_folders, tmp_path):
 @pytest.mark.parametrize("file", ["streams/digit/heap/c.0", "signals/wrench/value/c.0.0"])
 def test_what_was_damaged_in_the_store_comes_back(tiny_mcaps, tiny_store, tmp_path, file):
     """Images and numbers whose bytes changed on the disk are taken from the recordings again."""
-    store = shutil.copytree(tiny_store, tmp_path / "ds.zarr")
+    store = copy_tree(tiny_store, tmp_path / "ds.zarr")
     content = bytearray((store / file).read_bytes())
     content[40] ^= 0x55
     (store / file).write_bytes(content)
@@ -84,7 +85,7 @@ def test_what_was_damaged_in_the_store_comes_back(tiny_mcaps, tiny_store, tmp_pa
 
 def test_twins_become_one(tiny_folders, tmp_path):
     """Where the edited copy was added as a recording of its own before, one of the two stays."""
-    log = shutil.copytree(tiny_folders[0], tmp_path / "logs" / tiny_folders[0].name)
+    log = copy_tree(tiny_folders[0], tmp_path / "logs" / tiny_folders[0].name)
     ingest([log], tmp_path / "ds.zarr")
     (log / "log.yaml").write_text((log / "log.yaml").read_text() + "\n# edited\n")
     assert states(ingest([log], tmp_path / "ds.zarr")) == ["added"]
@@ -108,7 +109,7 @@ def test_a_recording_that_only_has_the_same_name_is_added(tiny_mcaps, tmp_path):
 def test_the_summary_says_that_splits_are_of_before(tiny_mcaps, tiny_store, tmp_path):
     """The command says what was replaced, and which split has to be drawn anew."""
     store = tmp_path / "ds.zarr"
-    shutil.copytree(tiny_store, store)
+    copy_tree(tiny_store, store)
     mapping = tmp_path / "mapping.yaml"
     mapping.write_text("format: tactiledata-mapping/1\nclock: log\n")
     words = ["ingest", str(tiny_mcaps[0]), "--store", str(store), "--mapping", str(mapping)]
@@ -180,11 +181,11 @@ def test_killed_while_replacing(tiny_mcaps, tiny_store, wrong, tmp_path):
         "ingest(sys.argv[2:], sys.argv[1], replace=True)"
     )
     started = time.monotonic()
-    ingest(tiny_mcaps, shutil.copytree(wrong, tmp_path / "timed.zarr"), replace=True)
+    ingest(tiny_mcaps, copy_tree(wrong, tmp_path / "timed.zarr"), replace=True)
     span = time.monotonic() - started
     kills = 0
     for trial in range(4):
-        store = shutil.copytree(wrong, tmp_path / f"{trial}.zarr")
+        store = copy_tree(wrong, tmp_path / f"{trial}.zarr")
         for _ in range(2):
             command = [sys.executable, "-c", program, str(store), *map(str, tiny_mcaps)]
             process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)

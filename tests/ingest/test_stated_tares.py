@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from few_examples import few
+from hypothesis import example, given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
@@ -124,7 +125,7 @@ def test_forces_are_right_wherever_the_sensor_was_tared(place, named):
     assert world.error(ALL, named) < WITHIN
 
 
-@settings(max_examples=60)
+@few(60)
 @example(0, 2, 4.0, "while pressing", 0.0, 6.0, 1.0, False, set())
 @given(
     st.integers(0, 10**6),

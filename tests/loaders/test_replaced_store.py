@@ -5,6 +5,7 @@ import shutil
 
 import numpy as np
 import pytest
+from copied_trees import copy_tree
 
 from tactiledata.errors import StoreError
 from tactiledata.ingest.pipeline import ingest
@@ -35,7 +36,7 @@ def test_another_process_after_an_append_reads_the_same(place, tiny_mcaps):
 def test_another_process_after_a_replacement_says_so(place, tiny_mcaps, tmp_path):
     """Rows mean something else then, in the replaced store and in another one put in its place: an error, no items."""
     dataset = TactileArrays(place, split="default/train", streams=STREAMS)
-    aside = shutil.copytree(place, tmp_path / "aside.zarr")
+    aside = copy_tree(place, tmp_path / "aside.zarr")
     ingest(tiny_mcaps[:1], place, IngestOptions(gap_limit_ns=1), replace=True)
     with pytest.raises(StoreError, match="was replaced since"):
         pickle.loads(pickle.dumps(dataset))[0]

@@ -62,7 +62,7 @@ def test_infinite_values_stay_infinite():
 
 
 def test_what_cannot_be_resampled_is_refused():
-    """No values at all, or trajectories of another length."""
+    """No values at all, and trajectories of another length, are refused."""
     with pytest.raises(UsageError, match="mask"):
         bootstrap([np.nan], ["a"])
     with pytest.raises(UsageError, match="trajectory for each"):

@@ -85,7 +85,7 @@ def test_five_trajectories_are_enough(count, has_ends):
 
 
 def test_an_interval_is_said_with_four_digits():
-    """In brackets behind the value; the value alone where there is none."""
+    """The interval stands in brackets behind the value, and the value stands alone if there is none."""
     assert str(Interval(1.23456, 0.98765, 12345.6, 9, 9, 0)) == "1.235 [0.9877, 1.235e+04]"
     assert str(Interval(1.23456, np.nan, np.nan, 9, 2, 0)) == "1.235"
 
@@ -102,6 +102,6 @@ def test_an_interval_is_said_with_four_digits():
     ],
 )
 def test_what_has_no_mean_is_refused(values, names, words):
-    """Nothing, nothing but NaN, one number, other lengths, and rows without a statistic."""
+    """Values that are none, all NaN, one number, of other lengths or without a statistic are refused."""
     with pytest.raises(UsageError, match=words):
         bootstrap(values, names)

@@ -21,7 +21,7 @@ def columns(*levels):
 
 @pytest.mark.parametrize(("level", "place"), [(0, 0), (7, 0), (8, 1), (15, 1), (16, 2), (247, 30), (248, 31)])
 def test_a_bin_is_eight_levels_wide(level, place):
-    """32 bins from 0 to 255."""
+    """There are 32 bins from 0 to 255."""
     found = histograms(columns(level))
     assert found.shape == (1, 3, 32)
     assert (found[0, :, place] == 1).all()
@@ -116,7 +116,7 @@ def test_meshes_have_three_components(shape):
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
 def test_the_first_sample_that_is_not_finite_is_named(value):
-    """The second and the fourth of five, of the predicted ones and of the true ones."""
+    """The second of five samples is named, of the predicted ones and of the true ones, where the fourth is bad too."""
     good, bad = np.ones((5, 2, 3)), np.ones((5, 2, 3))
     bad[1, 1, 2] = bad[3, 0, 0] = value
     for ours, theirs, what in ((bad, good, "predicted"), (good, bad, "true"), (bad, bad, "predicted")):

@@ -31,7 +31,7 @@ def test_a_silhouette_is_of_the_first_set():
     [(2, [0, 1]), (3, [0, 0, 0]), (3, [0, 1, 2]), (4, [0, 1, 0]), (4, [[0], [1], [0], [1]])],
 )
 def test_labels_that_part_nothing_are_refused(count, labels):
-    """Two vectors, one label, a label for each vector, and other numbers of labels than vectors."""
+    """Two vectors, one label, a label for each vector, and other numbers of labels than vectors are refused."""
     with pytest.raises(UsageError, match=r"two labels or more|at least 3"):
         silhouettes(line(*range(count)), labels)
 
@@ -79,7 +79,7 @@ def test_discrepancy_and_mixing_do_not_depend_on_the_unit(scale):
     ],
 )
 def test_sets_that_do_not_fit_are_refused(ours, theirs, words):
-    """One vector, none in a table, infinite ones, and sets of another number of components either way."""
+    """One vector, none in a table, infinite ones, and sets of another number of components are refused."""
     with pytest.raises(UsageError, match=words):
         mmd(ours, theirs)
 

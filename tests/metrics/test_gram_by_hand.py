@@ -38,7 +38,7 @@ def test_gram_matrices_by_hand():
 
 
 def test_style_distance_by_hand():
-    """White against black: a fifth of each layer's sum of squares over four times the channels' square."""
+    """White and black differ by a fifth of each layer's sum of squares over four times the channels' square."""
     white, black = np.full((1, 32, 32, 3), 255, np.uint8), np.zeros((1, 32, 32, 3), np.uint8)
     squares = np.square(np.outer(WHITE, WHITE)).sum()
     layers = zip((1, 3, 5, 9, 13), (8, 16, 32, 64, 64), strict=True)

@@ -34,7 +34,7 @@ def test_differences_do_not_wrap():
 
 
 def test_psnr_agrees_with_scikit_image(pictures):
-    """Frame by frame."""
+    """The PSNR of each frame is that of scikit-image."""
     expected = [peak_signal_noise_ratio(true, ours, data_range=255) for ours, true in zip(*pictures, strict=True)]
     np.testing.assert_allclose(psnr(*pictures), expected, rtol=1e-6)
 
@@ -73,7 +73,7 @@ def test_wrong_masks_are_refused(pictures):
 
 
 def test_a_shifted_mesh():
-    """All nodes moved by (3, 4, 0) um: Euclidean 5 um, RMSE 5 / sqrt 3, l1 7/3; invariant to moving both."""
+    """Nodes moved by (3, 4, 0) um are off by Euclidean 5 um, RMSE 5 / sqrt 3, l1 7/3; moving both changes nothing."""
     true = np.random.default_rng(1).normal(0, 1e-3, (2, 50, 3))
     moved = true + np.array([3e-6, 4e-6, 0])
     assert euclidean(moved, true) == pytest.approx(5e-3)

@@ -55,7 +55,7 @@ def test_discrepancy_of_four_points_by_hand():
 
 @pytest.mark.parametrize("narrower", [1, 8])
 def test_layers_of_the_network_are_those_of_vgg_19(narrower):
-    """Simonyan and Zisserman 2015, table 1, column E: 2, 2, 4, 4 and 4 convolutions, five poolings."""
+    """The network has 2, 2, 4, 4 and 4 convolutions and five poolings (Simonyan and Zisserman 2015, column E)."""
     import torch
 
     network = build_features(narrower)

@@ -60,7 +60,7 @@ def clouds(shift, count=150, dimensions=5, seed=0):
 
 
 def test_mixed_clouds_and_clouds_apart():
-    """One distribution: silhouette and MMD about 0, mixing about 1; ever further apart, ever worse."""
+    """One distribution has silhouette and MMD about 0 and mixing about 1; farther apart, each is worse."""
     near, half, far = ({s: s(*clouds(shift)).mean() for s in (silhouette, knn_mixing, mmd)} for shift in (0, 1, 6))
     assert abs(near[silhouette]) < 0.02
     assert near[knn_mixing] == pytest.approx(1, abs=0.08)
@@ -71,7 +71,7 @@ def test_mixed_clouds_and_clouds_apart():
 
 
 def test_the_parts_of_mmd_average_to_its_estimate():
-    """Against the double sum, written out."""
+    """The parts average to the double sum, written out."""
     one, other = clouds(0.7, 20)
     whole = np.concatenate([one, other])
     distance = np.linalg.norm(whole[:, None] - whole[None], axis=2)
@@ -82,7 +82,7 @@ def test_the_parts_of_mmd_average_to_its_estimate():
 
 
 def test_mixing_of_unequal_sets_is_measured_against_chance():
-    """Ten times as many of one: still 1 for both."""
+    """Ten times as many vectors of one set still give 1 for both."""
     rng = RNG(4)
     few, many = rng.normal(0, 1, (60, 4)), rng.normal(0, 1, (600, 4))
     assert knn_mixing(few, many).mean() == pytest.approx(1, abs=0.1)

@@ -22,7 +22,7 @@ def drawn(seed, unknowns=4, size=0.3, columns=2):
 
 
 def dense_power(rows, fields, power):
-    """The same by the whole matrix of each trajectory."""
+    """The power by the whole matrix of each trajectory."""
     found = np.empty_like(rows)
     for start, count in zip(STARTS, COUNTS, strict=True):
         part = slice(start, start + count)
@@ -40,7 +40,7 @@ def dense_power(rows, fields, power):
     power=st.sampled_from([-1.0, -0.5, 0.5, 1.0]),
 )
 def test_it_is_the_power_of_the_whole_matrix(seed, unknowns, size, power):
-    """Also where unknowns outnumber the rows of a trajectory, and where they are far larger than the noise."""
+    """The power is that of the whole matrix, also if unknowns outnumber rows or are far larger than the noise."""
     rows, fields = drawn(seed, unknowns, size)
     expected = dense_power(rows, fields, power)
     np.testing.assert_allclose(

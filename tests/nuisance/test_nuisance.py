@@ -96,7 +96,7 @@ def quadratic_touches(seed=0, count=6, frames=9):
 
 
 def test_planted_offsets_are_found():
-    """Without noise and with a prior that hardly binds, to the nanometre."""
+    """Offsets without noise, with a prior that hardly binds, are found to the nanometre."""
     series, starts, truth, frames = quadratic_touches()
     found = profile_offsets(series.at(np.repeat(truth, frames)), series, starts, prior=1e-2)
     assert np.allclose(found, truth, atol=2e-9)

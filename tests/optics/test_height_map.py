@@ -68,7 +68,7 @@ def test_the_mirrored_view_is_the_mirror_image():
 
 
 def test_places_off_the_gel_have_no_height():
-    """NaN in the height map, 0 in the indentation."""
+    """Places off the gel are NaN in the height map and 0 in the indentation."""
     surface = flat_surface(width=0.008)
     assert np.isnan(height_map(surface, np.zeros_like(surface.places), view())[:, 0]).all()
     deep = Indentation(surface, view()).of(pressed(surface, lambda x, y: np.full_like(x, 1e-4)))
@@ -114,7 +114,7 @@ def test_views_of_other_sizes_see_the_same():
 
 
 def test_pixels_and_points_are_inverse():
-    """Also for a camera in perspective."""
+    """Pixels and points are inverse, also for a camera in perspective."""
     matrix = view().gel_from_pixel.copy()
     matrix[2, :2] = [1e-4, -2e-4]
     crooked = View((160, 120), matrix)
@@ -123,7 +123,7 @@ def test_pixels_and_points_are_inverse():
 
 
 def test_what_cannot_be_drawn_is_refused():
-    """A mesh of another size, a frame without a mesh, a view off the gel, a sensor without a camera."""
+    """A mesh of another size, a frame without a mesh, a view off the gel and a sensor without a camera are refused."""
     surface = flat_surface()
     with pytest.raises(UsageError, match="another mesh"):
         height_map(surface, np.zeros((7, 3)), view())

@@ -47,7 +47,7 @@ def true_error(found, truth):
 
 @pytest.mark.slow
 def test_a_planted_affine_view_is_found():
-    """From 3.5 px away to well under a pixel, and what it says of its own error is of that order."""
+    """A view 3.5 px away is found to well under a pixel, and the error that it states is of that order."""
     surface, truth, made = touches(10)
     found = register(surface, made, view(SHAPE), "affine", try_mirror=False)
     assert true_error(view(SHAPE), truth) > 3
@@ -69,7 +69,7 @@ def test_a_planted_shift_is_found_whichever_way_the_picture_is_mirrored():
 
 
 def test_a_view_that_is_right_stays_where_it_is():
-    """Nothing planted, nothing found."""
+    """A view that is right is not moved."""
     surface, truth, made = touches(3, moves=(0.0, 0.0))
     found = register(surface, made, truth, "shift", try_mirror=False)
     assert found.moved < 0.4

@@ -19,7 +19,7 @@ def wall(height=5e-4, column=60):
 
 @pytest.mark.parametrize("azimuth", [0.0, np.pi])
 def test_a_wall_throws_a_shadow_of_its_height_over_the_tangent(azimuth):
-    """Away from the light, as long as height / tan(elevation), none towards it."""
+    """A shadow of length height / tan(elevation) lies away from the light, and none towards it."""
     depth, seen = wall()
     elevation = np.arctan(0.5)
     shadow = cast_shadow(depth, seen, azimuth, elevation)[20]

@@ -147,7 +147,7 @@ def test_the_annotated_radii_are_not_believed_beyond_the_ball():
 
 
 def test_tables_go_to_disk_and_back(tmp_path):
-    """The same changes; another file is refused."""
+    """A table that was written and read draws the same changes, and another file is refused."""
     table = planted()
     table.save(tmp_path / "table.npz")
     again = TaximTable.load(tmp_path / "table.npz")
@@ -163,7 +163,7 @@ def test_tables_go_to_disk_and_back(tmp_path):
 
 
 def test_what_calibrates_nothing_is_refused():
-    """No slopes, pictures of two sizes, a radius of nothing."""
+    """No slopes, pictures of two sizes, and a radius of nothing are refused."""
     flat = CalibrationPress(np.zeros((5, 5, 3), np.float32), np.zeros((5, 5, 2), np.float32), np.ones((5, 5), bool))
     with pytest.raises(UsageError, match="no pixel"):
         calibrate([flat], "flat")
@@ -176,6 +176,6 @@ def test_what_calibrates_nothing_is_refused():
 
 
 def test_places_are_the_same_for_pictures_of_any_size():
-    """The terms of the middle and of the corners."""
+    """The terms of the middle and of the corners are the same for pictures of any size."""
     assert place_terms((9, 7))[4, 3].tolist() == [0, 0, 0, 0, 0, 1]
     assert place_terms((2, 2))[0, 0].tolist() == [0.25, 0.25, 0.25, -0.5, -0.5, 1]

@@ -1,9 +1,8 @@
 """Replays on a coarse pad, whose compliance is kept in a folder of the tests' own."""
 
-import shutil
-
 import pytest
 from coarse import options
+from copied_trees import copy_tree
 
 from tactiledata.replay.attach import replay
 
@@ -19,7 +18,7 @@ def _own_cache(tmp_path_factory):
 def replayed(tiny_store, tmp_path_factory):
     """The tiny store with the mesh ``coarse``; read only."""
     place = tmp_path_factory.mktemp("replayed") / "ds.zarr"
-    shutil.copytree(tiny_store, place)
+    copy_tree(tiny_store, place)
     report = replay(place, options())
     assert not report.fell_short
     return place
@@ -29,5 +28,5 @@ def replayed(tiny_store, tmp_path_factory):
 def copied(tiny_store, tmp_path):
     """A copy of the tiny store, without meshes."""
     place = tmp_path / "ds.zarr"
-    shutil.copytree(tiny_store, place)
+    copy_tree(tiny_store, place)
     return place

@@ -1,12 +1,11 @@
 """What cannot be replayed has a named reason, and all the rest goes on."""
 
-import shutil
-
 import numpy as np
 import pytest
 import trimesh
 import yaml
 from coarse import coarse_pad, options
+from copied_trees import copy_tree
 
 from tactiledata.gel.contact.history import FrameStatus
 from tactiledata.ingest.pipeline import ingest
@@ -71,7 +70,7 @@ QUICK = ("5 mm deep", "no such indenter", "an impossible gel")
 @pytest.fixture
 def log(tiny_folders, tmp_path):
     """A folder log that may be spoilt: one touch of a ball, one of a cross."""
-    shutil.copytree(tiny_folders[0], tmp_path / "D20001")
+    copy_tree(tiny_folders[0], tmp_path / "D20001")
     return tmp_path / "D20001"
 
 

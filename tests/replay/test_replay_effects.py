@@ -1,13 +1,13 @@
 """Replays with missing physics: nothing at the null, poses and gels moved, the wrench as it is read."""
 
 import os
-import shutil
 import signal
 
 import numpy as np
 import pytest
 import yaml
 from coarse import MATERIAL, coarse_pad, files, options
+from copied_trees import copy_tree
 
 from tactiledata.effects.simulate.setting import EffectSetting
 from tactiledata.errors import UsageError
@@ -120,9 +120,9 @@ def test_effects_that_this_store_cannot_have_are_refused(copied):
 
 
 def test_what_recordings_do_not_tell_is_named(tiny_folders, tmp_path):
-    """A log without the moment of power-on, and an effect that asks for it."""
+    """A log without the moment of power-on is named where an effect asks for it."""
     log, place = tmp_path / "D20001", tmp_path / "ds.zarr"
-    shutil.copytree(tiny_folders[0], log)
+    copy_tree(tiny_folders[0], log)
     document = yaml.safe_load((log / "log.yaml").read_text())
     document["sensors"]["D20001"].pop("power_on_ns")
     (log / "log.yaml").write_text(yaml.safe_dump(document))
@@ -136,7 +136,7 @@ def test_killed_and_resumed_is_the_same(copied, tmp_path, monkeypatch):
     """A replay with effects that is killed after each commit leaves, once resumed, the files of a replay in one go."""
     monkeypatch.setattr(attach, "RUN_TOUCHES", 1)
     given = options(effects=(ARM, EffectSetting("lag", {"delay": 0.02})))
-    whole = shutil.copytree(copied, tmp_path / "whole.zarr")
+    whole = copy_tree(copied, tmp_path / "whole.zarr")
     replay(whole, given)
     for _ in range(2):
         child = os.fork()

@@ -1,10 +1,9 @@
 """Meshes as streams of a dataset."""
 
-import shutil
-
 import numpy as np
 import pytest
 from coarse import options
+from copied_trees import copy_tree
 
 from tactiledata.errors import UnknownName, UsageError
 from tactiledata.loaders.missing import MissingValuesWarning
@@ -45,7 +44,7 @@ def test_tensors_and_batches_of_trajectories(replayed):
 def test_of_several_meshes_one_must_be_named(replayed, tmp_path):
     """An error that says how; with the name it is that one."""
     place = tmp_path / "ds.zarr"
-    shutil.copytree(replayed, place)
+    copy_tree(replayed, place)
     replay(place, options(name="surface", keep="surface"))
     with pytest.raises(UsageError, match="mesh/coarse"):
         TactileArrays(place, "default/train", ["mesh"])

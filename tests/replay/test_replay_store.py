@@ -1,12 +1,12 @@
 """What a replay attaches: the engine's own numbers, in rows of the frames, whole after any kill."""
 
 import os
-import shutil
 import signal
 
 import numpy as np
 import pytest
 from coarse import MATERIAL, coarse_pad, files, options
+from copied_trees import copy_tree
 
 from tactiledata.errors import UsageError
 from tactiledata.gel.contact.history import FrameStatus
@@ -68,7 +68,7 @@ def test_a_whole_store_checks_and_damage_shows(replayed, tmp_path):
     assert check(replayed) == []
     for number, spoil in enumerate((lambda place: place.unlink(), lambda place: _flip(place))):
         place = tmp_path / f"{number}.zarr"
-        shutil.copytree(replayed, place)
+        copy_tree(replayed, place)
         spoil(next((place / "meshes/coarse/displacement").glob("c.0*")))
         assert [(one.code, one.severity) for one in check(place, images=False)] == [("store-mesh", "damage")]
 
@@ -80,9 +80,9 @@ def _flip(place):
 
 
 def test_the_same_replay_again_changes_nothing(replayed, tmp_path):
-    """No byte of the store, and no new frame in the report."""
+    """The same replay again changes no byte of the store, and reports no new frame."""
     place = tmp_path / "ds.zarr"
-    shutil.copytree(replayed, place)
+    copy_tree(replayed, place)
     before = files(place)
     assert replay(place, options()).new_frames == 0
     assert files(place) == before
@@ -126,7 +126,7 @@ def test_workers_do_not_change_a_byte(tiny_store, tmp_path, monkeypatch):
     monkeypatch.setattr(attach, "RUN_TOUCHES", 1)
     for workers in (1, 2):
         place = tmp_path / f"{workers}.zarr"
-        shutil.copytree(tiny_store, place)
+        copy_tree(tiny_store, place)
         replay(place, options(), workers)
     assert files(tmp_path / "1.zarr") == files(tmp_path / "2.zarr")
 
@@ -162,10 +162,10 @@ def _killed_at(place, moment):
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_killed_and_resumed_is_the_same(copied, seed, tmp_path, monkeypatch):
-    """Killed at random moments, then left alone: every file equals those of an uninterrupted replay."""
+    """A replay that is killed at random moments and resumed leaves every file as an uninterrupted one does."""
     monkeypatch.setattr(attach, "RUN_TOUCHES", 1)
     whole = tmp_path / "whole.zarr"
-    shutil.copytree(copied, whole)
+    copy_tree(copied, whole)
     replay(whole, options())
     chance = np.random.default_rng(seed)
     kills = 0
@@ -204,7 +204,7 @@ def test_a_replaced_recording_drops_the_mesh(tiny_folders, tmp_path):
     from tactiledata.ingest.pipeline import ingest
 
     log, place = tmp_path / "D20001", tmp_path / "ds.zarr"
-    shutil.copytree(tiny_folders[0], log)
+    copy_tree(tiny_folders[0], log)
     ingest([log], place)
     replay(place, options())
     (log / "log.yaml").write_text((log / "log.yaml").read_text().replace("thickness: 0.0041", "thickness: 0.0040"))

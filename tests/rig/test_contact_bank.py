@@ -78,7 +78,7 @@ def test_an_offset_between_the_solutions_is_as_solved(bank, deeper):
 
 
 def test_a_contact_beside_is_the_same_one_moved(bank):
-    """As far as this coarse grid of the solver does not see where on it the contact lies."""
+    """A moved contact is the same as far as this coarse grid of the solver does not see where the contact lies."""
     setup = setup_of((6e-5, -4e-5, 0.0))
     force, torque = off(bank.contact(GEL, setup).wrench, solved(setup))
     assert force < 0.02

@@ -44,7 +44,7 @@ def test_every_effect_keeps_the_contract_of_the_table(name):
 
 
 def test_the_page_lists_every_effect():
-    """A row for each, with its number."""
+    """The page has a row for each effect, with its number."""
     page = (Path(__file__).parents[2] / "docs/rig.md").read_text(encoding="utf-8")
     rows = dict(re.findall(r"^\| `(\w+)` \| (\d+|–) \|", page, re.MULTILINE))
     numbers = {name: HIDDEN_EFFECTS[name].NUMBER.replace("outside", "–") for name in HIDDEN_EFFECTS}
@@ -66,7 +66,7 @@ def plain():
 
 @pytest.mark.parametrize("name", HIDDEN_EFFECTS)
 def test_every_effect_changes_the_readings_or_the_stamps(name, plain):
-    """At its strongest, in a log of two touches; and the same seed gives the same numbers."""
+    """Each effect at its strongest changes a log of two touches, and the same seed gives the same numbers."""
     entry = {"effect": name, "strength": "strong"}
     first, second = played([entry], TWICE), played([entry], TWICE)
     np.testing.assert_array_equal(first.readings, second.readings)
@@ -132,14 +132,14 @@ def test_only_the_truth_tells(tmp_path):
     ],
 )
 def test_a_bad_entry_is_refused_by_its_place(entry, path):
-    """No such effect, strength, parameter or value; the same effect twice."""
+    """An unknown effect, strength, parameter or value, and the same effect twice, are refused."""
     with pytest.raises(SchemaError) as caught:
         world([{"effect": "wear", "strength": "weak"}, entry])
     assert caught.value.facts["path"] == path
 
 
 def test_the_world_for_development_has_what_a_diagnosis_needs():
-    """Sixty touches, three speeds, two units, dwells of 1 to 4 s, shears and ways back; nothing hidden in it."""
+    """It has sixty touches, three speeds, two units, dwells of 1 to 4 s, shears and ways back, and hides nothing."""
     scenario = load_scenario(find_scenario("develop"))
     drawn = [member for _, group in log_groups(scenario) for member in group]
     assert len(drawn) == 60

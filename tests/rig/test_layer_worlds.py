@@ -68,7 +68,7 @@ def test_steps_of_the_solver_are_small_and_hit_the_corners():
 
 
 def test_force_begins_and_ends_with_contact(layer):
-    """Zero in the air, rising through the press, held in between, zero again; as deep as asked, offset included."""
+    """The force is zero in the air, rises through the press, is held and zero again, with the depth that was asked."""
     contact = touch_layer(setup_of(PRESS), layer)
     seconds = np.arange(len(contact.wrench)) / 500.0
     depth = contact.path.at(seconds)[:, 2] + OFFSET[2]

@@ -44,7 +44,7 @@ def test_joints_travel_by_name_not_by_place():
 
 @given(st.floats(20, 500), st.floats(0, 1e-3), st.integers(0, 2**40))
 def test_sampling_times_increase_and_keep_their_rate(rate, jitter, seed):
-    """Jitter never turns time back; to the nanosecond, far from 1970."""
+    """Jitter never turns time back, to the nanosecond and far from 1970."""
     start = 1_700_000_000_000_000_000
     times = imperfections.sampling_times(start, start + 2 * 10**9, rate, jitter, np.random.default_rng(seed))
     assert times.dtype == np.int64
@@ -55,7 +55,7 @@ def test_sampling_times_increase_and_keep_their_rate(rate, jitter, seed):
 
 
 def test_a_slow_sensor_repeats_its_values():
-    """100 Hz samples of a 62.5 Hz sensor: 62.5 new values a second, runs of one or two."""
+    """A 62.5 Hz sensor sampled at 100 Hz has 62.5 new values a second, in runs of one or two."""
     seconds = np.arange(400) / 100.0
     values = imperfections.held(np.arange(400.0)[:, None], seconds, 62.5)[:, 0]
     assert len(np.unique(values)) == pytest.approx(250, abs=1)
@@ -133,7 +133,7 @@ def test_units_differ_and_the_same_unit_does_not():
 
 @pytest.mark.slow
 def test_pictures_are_quick():
-    """At least 40 pictures a second on one core, in processor time."""
+    """One core draws at least 40 pictures in a second of processor time."""
     camera, rng, height = Camera(Optics.of_unit("D1", 0, {}), BACKGROUND, GRID), np.random.default_rng(0), bump()
     camera.picture(height, rng)
     began = time.process_time()

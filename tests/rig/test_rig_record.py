@@ -95,7 +95,7 @@ def test_both_forms_hold_the_same_recording(tiny_mcaps, tiny_folders):
 
 
 def test_the_mcap_is_what_a_ros2_recorder_writes(tiny_mcaps):
-    """Profile, encodings, topics, frames; log times in order and after the stamps; CRCs that verify."""
+    """It has the right profile, encodings, topics and frames, ordered log times after the stamps, and valid CRCs."""
     with tiny_mcaps[0].open("rb") as stream:
         reader = make_reader(stream, validate_crcs=True)
         summary = reader.get_summary()
@@ -137,7 +137,7 @@ def test_joints_and_tcp_tell_the_same_story(tiny_folders):
 
 
 def test_trajectories_begin_in_free_air(tiny_folders):
-    """At least half a second before contact, and pictures show contact only while there is force."""
+    """Contact begins half a second into a trajectory or later, and pictures show it only while there is force."""
     log = tiny_folders[0]
     truth = json.loads((log.parent / "truth" / f"{log.name}.json").read_text())
     for trajectory in truth["trajectories"].values():
@@ -215,7 +215,7 @@ def test_raw_images_say_what_they_are(tmp_path, encoding, said):
 
 
 def test_planted_faults_of_images(tmp_path):
-    """Mislabelled channels, a turned picture, lost pictures."""
+    """Planted are mislabelled channels, a turned picture and lost pictures."""
     (path, _) = recorded(tmp_path / "a", images={"encoding": "raw", "mislabelled": True, "swapped_size": True})
     images = [message for topic, _, message in messages(path) if topic == "/digit/D1/image_raw"]
     assert (images[0].height, images[0].width, images[0].encoding) == (240, 320, "rgb8")
@@ -227,7 +227,7 @@ def test_planted_faults_of_images(tmp_path):
 
 
 def test_planted_faults_of_streams(tmp_path):
-    """NaN in the wrench, messages out of order, repeated values."""
+    """Planted are NaN in the wrench, messages out of order and repeated values."""
     faults = {"nan_wrench": 0.1, "out_of_order": 0.05}
     (folder, _) = recorded(tmp_path / "a", "folder", imperfections=faults)
     wrench = pd.read_csv(folder / "wrench.csv")

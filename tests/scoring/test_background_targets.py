@@ -1,11 +1,11 @@
 """A target that is known by its picture alone: what is compared with it, and what each set says of itself."""
 
 import json
-import shutil
 
 import numpy as np
 import pytest
 from cli.command import run_command
+from copied_trees import copy_tree
 from loaders.loader_stores import write_loader_store
 
 from split_models.transfer.pixels import PIXEL_TRANSFERS
@@ -109,7 +109,7 @@ def test_what_cannot_be_scored_is_refused(tiny):
 
 def test_sets_without_a_background_are_named(tiny_store, tmp_path):
     """A sensor without a picture is left out by name; where all are, the store is refused."""
-    shutil.copytree(tiny_store, tmp_path / "ds.zarr")
+    copy_tree(tiny_store, tmp_path / "ds.zarr")
     remove_picture(tmp_path / "ds.zarr", "D20001")
     store = Store.open(tmp_path / "ds.zarr")
     sets, scores = sensor_sets(store, 3), chosen_scores(["histogram_intersection"])

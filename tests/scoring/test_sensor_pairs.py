@@ -160,7 +160,7 @@ def test_latent_scores_look_at_each_kind_of_vector(store):
 
 @pytest.mark.slow
 def test_embedding_is_drawn(store, tmp_path):
-    """A panel for each kind of vector, a place for each touch."""
+    """The picture has a panel for each kind of vector, and a place for each touch."""
     pytest.importorskip("matplotlib")
     sets = sensor_sets(store, 8)
     drawn = embed_sets(store, sets, picture_vectors)

@@ -8,7 +8,7 @@ from tactiledata.sensors.backgrounds import ALIASES, bundled_backgrounds, load_b
 
 
 def test_there_are_eighteen_different_ones():
-    """Eighteen pictures, each of another unit: none within 5 grey levels of another on average."""
+    """There are eighteen pictures of eighteen units, none within 5 grey levels of another on average."""
     images = [load_background(name) for name in bundled_backgrounds()]
     assert len(images) == 18
     assert {image.shape for image in images} == {(320, 240, 3)}

@@ -58,7 +58,7 @@ def test_orientation_is_exact(rows, columns):
 
 @pytest.mark.parametrize(("shape", "says"), [((320, 240), "ok"), ((240, 320), "swapped"), ((640, 480), "other size")])
 def test_orientation_of_common_sizes(shape, says):
-    """Upright, turned and VGA pictures of a DIGIT."""
+    """The orientation of upright, turned and VGA pictures of a DIGIT is told."""
     assert orientation_of(np.zeros((*shape, 3), np.uint8), SENSORS["digit"]) == says
 
 

@@ -26,6 +26,21 @@ def _quiet_machine(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
+def short_store(tmp_path_factory):
+    """A store of the bundled tiny world with one touch of each sensor instead of two; read only."""
+    from tactiledata.ingest.pipeline import ingest
+    from tactiledata.rig.record import record
+    from tactiledata.rig.scenario.scenario import load_scenario
+    from tactiledata.rig.scenario.worlds import find_scenario
+
+    place = tmp_path_factory.mktemp("short-store")
+    world = find_scenario("tiny")
+    short = {**world, "generate": {**world["generate"], "count": len(world["sensors"])}}
+    ingest(record(load_scenario(short), place / "logs", "mcap"), place / "ds.zarr")
+    return place / "ds.zarr"
+
+
+@pytest.fixture(scope="session")
 def touch_store(tmp_path_factory, _quiet_machine):
     """Twelve touches on three sensors, one of them unseen, with coarse meshes and a split; read only."""
     from touch_world import make_store

@@ -1,7 +1,6 @@
 """A transfer to a sensor that the store or the model has seen says so; one to an unseen sensor says nothing."""
 
 import json
-import shutil
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +8,7 @@ import pytest
 import torch
 import yaml
 from cli.command import run_command
+from copied_trees import copy_tree
 from small_models import image_vae
 from touch_world import UNSEEN, tiny_recipe
 
@@ -69,9 +69,9 @@ def test_a_model_that_does_not_say_is_no_unseen_one():
     assert target_findings(target, STORE, ["D1"], None) == []
 
 
-def test_the_command_says_it(tiny_store, tmp_path, monkeypatch, capsys):
+def test_the_command_says_it(short_store, tmp_path, monkeypatch, capsys):
     """The verb prints the warning, and its document has it; to ycb-sensorA it has none to give."""
-    shutil.copytree(tiny_store, tmp_path / "ds.zarr")
+    copy_tree(short_store, tmp_path / "ds.zarr")
     monkeypatch.chdir(tmp_path)
     typed = ("transfer", "--method", "background-swap", "--to")
     code, out, _ = run_command(capsys, *typed, "digit-bg-12")

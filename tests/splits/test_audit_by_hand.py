@@ -122,7 +122,7 @@ def test_noise_is_from_sixteen_trajectories_spread_over_all(monkeypatch):
      (1.0, 0.0, 1e6, False)],
 )  # fmt: skip
 def test_a_copy_leaves_two_thirds_of_the_noise_at_most(left, expected, ratio, is_copy):
-    """Up to 0.65 of what a second recording leaves; up to 0.06 grey levels nothing is left."""
+    """A copy leaves up to 0.65 of what a second recording leaves, or up to 0.06 grey levels."""
     found = Comparison(left, expected)
     assert (found.ratio, found.is_copy) == (pytest.approx(ratio), is_copy)
 
@@ -178,7 +178,7 @@ def prints_at(*places):
 
 
 def test_pairs_are_nearest_first_and_within_the_radius():
-    """0 in one part; 0.01, 0.03 and 0.05 in another: two pairs within 0.04, the nearer first."""
+    """Of 0 in one part and 0.01, 0.03 and 0.05 in another, two pairs are within 0.04, the nearer first."""
     found = near_pairs(prints_at(0.0, 0.03, 0.05, 0.01), np.array([0, 1, 1, 1]))
     assert list(zip(found.first.tolist(), found.second.tolist(), strict=True)) == [(0, 3), (0, 1)]
     np.testing.assert_allclose(found.distance, [0.01, 0.03], rtol=1e-5)
@@ -198,7 +198,7 @@ def test_the_four_nearest_of_each_image_are_looked_at():
     ("places", "part"), [([], []), ([0.0], [0]), ([0.0, 0.0], [0, -1]), ([0.0, 0.0], [1, 1]), ([0.0, np.nan], [0, 1])]
 )
 def test_without_two_parts_there_is_no_pair(places, part):
-    """Nothing, one image, none in a second part, a blank one: empty arrays of one length."""
+    """No image, one image, none in a second part or a blank one gives empty arrays of one length."""
     found = near_pairs(prints_at(*places) if places else np.zeros((0, CELLS), np.float32), np.array(part, np.int64))
     assert [len(found), *map(len, (found.first, found.second, found.distance))] == [0, 0, 0, 0]
 

@@ -20,7 +20,7 @@ from tactiledata.splits.report import Count, SplitReport
     ],
 )
 def test_the_middle_lies_on_the_grid_of_compression_blocks(shape, rows, columns):
-    """192 x 144 pixels at most, beginning at a multiple of 16."""
+    """The middle has 192 x 144 pixels at most, and begins at a multiple of 16."""
     image = np.random.default_rng(0).integers(0, 256, (*shape, 3), dtype=np.uint8)
     np.testing.assert_array_equal(middle_of(image), image[slice(*rows), slice(*columns)])
 

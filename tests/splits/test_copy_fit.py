@@ -73,7 +73,7 @@ def test_what_is_far_from_a_copy_is_not_fitted_more_finely(left, is_fitted, monk
 
 
 def test_a_copy_is_tried_as_it_is_and_with_the_fitted_brightness(monkeypatch):
-    """Unchanged (gain 1, offset 0) and as fitted, without compression here."""
+    """A copy is tried unchanged (gain 1, offset 0) and as fitted, without compression here."""
     tried = set()
     monkeypatch.setattr(copies, "brightness_fit", lambda *_: (1.01, 2.0))
     monkeypatch.setattr(copies, "_left", lambda _, __, *trial: tried.add(trial) or 99.0)
@@ -126,7 +126,7 @@ def test_colours_far_off_a_first_line_have_no_say_in_the_second():
 
 
 def test_every_third_pixel_tells_the_brightness():
-    """22 x 22 pixels of three colours, of 64 x 64."""
+    """Of 64 x 64 pixels, 22 x 22 of three colours are used."""
     assert Portrait(PICTURE).smooth.shape == (22 * 22 * 3,)
 
 

@@ -25,7 +25,7 @@ USUAL = {
 
 
 def test_options_by_default(tmp_path):
-    """By sensor, some held out, 80/10/10, 1 to 13 N, seed 0: as a record, as checked, and as a split is made."""
+    """The defaults are by sensor, some held out, 80/10/10, 1 to 13 N and seed 0, as a record and in a split."""
     assert SplitOptions().document() == SplitOptions.checked().document() == USUAL
     store = MemoryStore(tmp_path, trajectories(many(20)))
     make_split(store)
@@ -149,7 +149,7 @@ def test_units_of_derived_trajectories_count_only_where_nothing_is_recorded():
 
 
 def test_a_draw_at_a_border_belongs_to_the_next_part():
-    """Of 0.5, 0.25, 0.25: below 0.5 train, from 0.5 on val, from 0.75 on test; a share of 0 gets nobody."""
+    """With 0.5, 0.25, 0.25 a draw from 0.5 on is val, from 0.75 on test; a share of 0 gets nobody."""
     draws = np.array([0.0, 0.499, 0.5, 0.7499, 0.75, 0.999])
     assert part_of(draws, (0.5, 0.25, 0.25)).tolist() == [0, 0, 1, 1, 2, 2]
     assert part_of(draws, (0.5, 0.0, 0.5)).tolist() == [0, 0, 2, 2, 2, 2]

@@ -234,7 +234,7 @@ def test_frames_point_into_the_table_of_trajectories():
 
 
 def test_the_split_that_a_store_gives_is_suggested(tmp_path):
-    """By sensor, of frames in contact; of all frames where no force tells them; why not, where there is none."""
+    """A split by sensor is suggested, of frames in contact or of all, or the report says why none can be."""
     table = trajectories(many(20))
     found = suggest_split(MemoryStore(tmp_path / "a b", table))
     assert found.command == f"tactiledata split '{tmp_path}/a b' --by trajectory,sensor"

@@ -1,8 +1,7 @@
 """Two stores, one of children of the other's trajectories: what stands apart is found, what stands together is not."""
 
-import shutil
-
 import pytest
+from copied_trees import copy_tree
 from loaders.loader_stores import write_loader_store
 
 from split_models.transfer.pixels import PIXEL_TRANSFERS
@@ -29,12 +28,12 @@ def stores(tmp_path_factory):
 @pytest.fixture
 def copied(stores, tmp_path):
     """Both, to be split."""
-    shutil.copytree(stores, tmp_path / "both")
+    copy_tree(stores, tmp_path / "both")
     return [Store.open(tmp_path / "both" / f"{name}.zarr") for name in ("children", "parents")]
 
 
 def test_the_same_draw_stands_together(copied):
-    """Split alone with one seed, fractions and nobody held out: no child away from its parent."""
+    """Stores split alone with one seed and fractions have no child away from its parent."""
     for store in copied:
         make_split(store, fractions=SHARES, hold_out="none")
     assert audit_across(*copied) == []

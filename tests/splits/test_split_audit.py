@@ -7,7 +7,8 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from hypothesis import given, settings
+from few_examples import few
+from hypothesis import given
 from hypothesis import strategies as st
 from split_cases import MemoryStore, many, trajectories
 
@@ -89,7 +90,7 @@ def test_a_part_without_frames_is_named(store):
     assert report.leaks == ()
 
 
-@settings(max_examples=25)
+@few(25)
 @given(
     st.lists(
         st.tuples(st.integers(0, 2), st.sampled_from("ABCDE"), st.integers(0, 9), st.integers(-1, 20)),
@@ -114,7 +115,7 @@ def test_whatever_is_split_passes(tmp_path_factory, spec, seed, clock):
 
 
 def test_a_touch_under_two_names_is_found(store):
-    """Two trajectories of one source and sensor that overlap, one of them moved to another part."""
+    """Two overlapping trajectories of one source and sensor are found, when one of them is in another part."""
     train, test = rows_of(store, "train")[0], rows_of(store, "test")[0]
     rows = store.table.to_pylist()
     same = {key: rows[train][key] for key in ("source", "sensor", "start_ns", "end_ns")}
@@ -129,7 +130,7 @@ def test_a_touch_under_two_names_is_found(store):
     ("clock", "sensor", "is_leak"), [(ABSOLUTE_NS, "A", True), (0, "A", False), (ABSOLUTE_NS, "", False)]
 )
 def test_a_touch_in_two_recordings_is_found(store, clock, sensor, is_leak):
-    """The same moment of one sensor in two recordings: found by absolute times of a named sensor, and only by those."""
+    """A moment of one sensor in two recordings is found by absolute times of a named sensor, and only by those."""
     train, test = rows_of(store, "train")[0], rows_of(store, "test")[0]
     rows = store.table.to_pylist()
     for row, source in ((train, 900), (test, 901)):
@@ -153,7 +154,7 @@ def test_neighbouring_touches_are_no_leak(store):
 
 
 def test_children_away_from_their_parents_are_found(store):
-    """A derived trajectory moved into another part than its parent."""
+    """A derived trajectory that was moved into another part than its parent is found."""
     child = next(n for n in rows_of(store, "train") if n >= 200)
 
     def change(rows):
@@ -181,7 +182,7 @@ def test_frames_away_from_their_parent_frames_are_found(store):
 
 
 def test_held_out_units_elsewhere_are_found(store):
-    """A trajectory of the held-out sensor moved to train."""
+    """A trajectory of the held-out sensor that was moved to train is found."""
     unseen = rows_of(store, "test_unseen")[0]
 
     def change(rows):
@@ -248,7 +249,7 @@ def test_raw_frames_are_not_taken_for_equal(store):
 
 
 def test_a_split_that_is_not_there_is_wrong_usage(tmp_path):
-    """No split: an error, not a clean report."""
+    """A split that is not there gives an error, not a clean report."""
     with pytest.raises(MissingSplit):
         audit(MemoryStore(tmp_path, trajectories(many(5))))
 

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from few_examples import few
+from hypothesis import given
 from hypothesis import strategies as st
 from split_cases import frames, many, parts, trajectories
 
@@ -13,7 +14,7 @@ from tactiledata.splits.make import split_tables
 from tactiledata.splits.options import EXCLUDED, PARTITIONS, SplitOptions
 from tactiledata.splits.twins import ABSOLUTE_NS
 
-FEW = settings(max_examples=40)
+FEW = few(40)
 NONE = SplitOptions.checked(hold_out="none")
 
 
@@ -155,7 +156,7 @@ def test_overlaps_agree_with_their_slow_twin(spans):
     assert [[a == b for a in leader] for b in leader] == [[a == b for a in group] for b in group]
 
 
-@settings(max_examples=20)
+@few(20)
 @given(st.integers(0, 2**63), st.tuples(st.floats(0, 1), st.floats(0, 1)).filter(lambda pair: sum(pair) <= 1))
 def test_fractions_converge(seed, pair):
     """Realised shares of 4000 draws are within five standard deviations of the fractions."""

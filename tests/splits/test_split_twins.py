@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from few_examples import few
+from hypothesis import given
 from hypothesis import strategies as st
 from split_cases import MemoryStore, many, parts, trajectories
 
@@ -27,7 +28,7 @@ def recorded(n=60, clock=ABSOLUTE_NS, per_source=5):
 
 
 def copied(rows, shift=SECOND, **changes):
-    """The same touches in recordings of their own, each cut a little differently."""
+    """The touches in recordings of their own, each cut a little differently."""
     return [
         {**row, "uid": f"c{k:015x}", "source": row["source"] + 1000, "end_ns": row["end_ns"] + shift, **changes}
         for k, row in enumerate(rows)
@@ -104,7 +105,7 @@ def test_a_copy_with_a_held_out_unit_moves_nobody():
 spans = st.lists(st.tuples(st.integers(0, 3), st.integers(0, 20), st.integers(1, 6)), min_size=1, max_size=25)
 
 
-@settings(max_examples=60)
+@few(60)
 @given(spans)
 def test_joining_agrees_with_its_slow_twin(found):
     """Each cluster joins the groups of all earlier clusters that it overlaps, as comparing all pairs says."""

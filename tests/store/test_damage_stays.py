@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-import shutil
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
+from copied_trees import copy_tree
 from random_takes import SMALL, random_images, staged_take
 
 from tactiledata.errors import StoreError, TactileDataError
@@ -82,7 +82,7 @@ def healthy(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("damage") / "healthy"
     create(folder, SMALL)
     rng = np.random.default_rng(0)
-    commit(folder, [staged_take(folder, seed, images=random_images(rng, 12))[0] for seed in range(6)])
+    commit(folder, [staged_take(folder, seed, images=random_images(rng, 8))[0] for seed in range(3)])
     assert Store.open(folder).frame_value_names
     return folder
 
@@ -90,7 +90,7 @@ def healthy(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def folder(healthy: Path, tmp_path: Path) -> Path:
     """A copy to damage."""
-    return Path(shutil.copytree(healthy, tmp_path / "ds.zarr"))
+    return copy_tree(healthy, tmp_path / "ds.zarr")
 
 
 @pytest.mark.parametrize(

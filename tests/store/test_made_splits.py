@@ -3,6 +3,7 @@
 import shutil
 
 import pytest
+from copied_trees import copy_tree
 
 from tactiledata.splits.make import make_split
 from tactiledata.store.check.check import check
@@ -14,7 +15,7 @@ from tactiledata.store.read.reader import Store
 @pytest.fixture
 def store(tiny_store, tmp_path):
     """A copy with two splits."""
-    folder = shutil.copytree(tiny_store, tmp_path / "ds.zarr")
+    folder = copy_tree(tiny_store, tmp_path / "ds.zarr")
     for name in ("default", "other"):
         make_split(Store.open(folder), name=name, hold_out="none", force=None, replace=True)
     return folder

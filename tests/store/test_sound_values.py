@@ -1,9 +1,9 @@
 """Whoever computes from a store's numbers asks first whether they are those of its sources."""
 
-import shutil
 from pathlib import Path
 
 import pytest
+from copied_trees import copy_tree
 
 from tactiledata.calibrate.measured import read_measured
 from tactiledata.calibrate.options import CalibrationOptions
@@ -17,7 +17,7 @@ from tactiledata.store.read.reader import Store
 
 @pytest.fixture
 def copy(tiny_store, tmp_path):
-    shutil.copytree(tiny_store, tmp_path / "ds.zarr")
+    copy_tree(tiny_store, tmp_path / "ds.zarr")
     return tmp_path / "ds.zarr"
 
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
+from copied_trees import copy_tree
 from random_takes import SMALL, random_images, staged_take
 
 from tactiledata.contract.records import Image
@@ -35,7 +35,7 @@ def healthy(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def folder(healthy: Path, tmp_path: Path) -> Path:
     """A copy to damage."""
-    return Path(shutil.copytree(healthy, tmp_path / "ds.zarr"))
+    return copy_tree(healthy, tmp_path / "ds.zarr")
 
 
 def codes(place: Path, **options) -> dict[str, str]:
@@ -72,7 +72,7 @@ FILES = {
 @pytest.mark.parametrize("file", FILES)
 @pytest.mark.parametrize("damage", ["flip", "cut", "remove"])
 def test_damage_of_any_file_is_found(folder: Path, file: str, damage: str) -> None:
-    """A byte turned, a file cut or removed: a finding of the kind, never an error, and severity damage."""
+    """A byte turned, a file cut or removed gives a finding of the kind with severity damage, never an error."""
     place = folder / file
     if damage == "flip":
         flip(place, 10 if file.endswith(("heap/c.0", "zarr.json")) else None)

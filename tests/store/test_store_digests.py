@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
+from copied_trees import copy_tree
 from random_takes import SMALL, random_images, staged_take
 from test_store_kill import in_child
 
@@ -45,7 +45,7 @@ def healthy(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("digests") / "healthy"
     create(folder, SMALL)
     rng = np.random.default_rng(0)
-    commit(folder, [staged_take(folder, seed, images=random_images(rng, 12))[0] for seed in range(4)])
+    commit(folder, [staged_take(folder, seed, images=random_images(rng, 8))[0] for seed in range(2)])
     make_split(Store.open(folder), hold_out="none", force=None)
     return folder
 
@@ -53,7 +53,7 @@ def healthy(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def folder(healthy: Path, tmp_path: Path) -> Path:
     """A copy to damage."""
-    return Path(shutil.copytree(healthy, tmp_path / "ds.zarr"))
+    return copy_tree(healthy, tmp_path / "ds.zarr")
 
 
 def documents_said(folder: Path) -> set[str]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import os
-import shutil
 import signal
 import time
 from collections.abc import Callable
@@ -12,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from copied_trees import copy_tree
 from random_takes import SMALL, staged_take
 
 from tactiledata.store.check.check import check
@@ -67,7 +67,7 @@ def files(folder: Path) -> dict[str, str]:
 def uninterrupted(staged: Path) -> dict[str, str]:
     """The files of a store that was written without interruption."""
     folder = staged.with_name("uninterrupted")
-    shutil.copytree(staged, folder)
+    copy_tree(staged, folder)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(committing, "GROUP_TAKES", 2)
         ingest(folder)
@@ -110,10 +110,10 @@ def killed_at(folder: Path, moment: int) -> int:
 
 @pytest.mark.parametrize("seed", range(4))
 def test_killed_and_resumed_is_the_same(staged: Path, uninterrupted: dict[str, str], seed: int, tmp_path: Path) -> None:
-    """Killed at random moments, then left alone: every file equals the uninterrupted store's, byte for byte."""
+    """A commit killed at random moments and resumed leaves every file as the uninterrupted one does, byte for byte."""
     rng = np.random.default_rng(seed)
     folder = tmp_path / "ds.zarr"
-    shutil.copytree(staged, folder)
+    copy_tree(staged, folder)
     kills = 0
     for _ in range(6):
         kills += os.WIFSIGNALED(killed_at(folder, int(rng.integers(1, 160))))
@@ -127,9 +127,9 @@ def test_killed_and_resumed_is_the_same(staged: Path, uninterrupted: dict[str, s
 
 @pytest.mark.parametrize("seed", range(3))
 def test_killed_from_outside(staged: Path, uninterrupted: dict[str, str], seed: int, tmp_path: Path) -> None:
-    """The same with kill -9 from another process after a random time."""
+    """A kill -9 from another process after a random time leaves a sound store, too."""
     folder = tmp_path / "ds.zarr"
-    shutil.copytree(staged, folder)
+    copy_tree(staged, folder)
     child = os.fork()
     if child == 0:
         ingest(folder)
@@ -144,7 +144,7 @@ def test_killed_from_outside(staged: Path, uninterrupted: dict[str, str], seed: 
 def test_control_uncommitted_work_is_seen(staged: Path, uninterrupted: dict[str, str], tmp_path: Path) -> None:
     """The comparison would notice: a store with one take less has other files."""
     folder = tmp_path / "ds.zarr"
-    shutil.copytree(staged, folder)
+    copy_tree(staged, folder)
     commit_groups(folder, [find_staged(folder)[digest(seed)] for seed in SEEDS[:-1]])
     assert files(folder) != uninterrupted
 
@@ -153,7 +153,7 @@ def test_another_order_after_a_kill_leaves_no_trace(staged: Path, tmp_path: Path
     """After a killed commit, other takes are committed: nothing of the killed ones stays, beyond lengths included."""
     folder, clean = tmp_path / "ds.zarr", tmp_path / "clean.zarr"
     for place in (folder, clean):
-        shutil.copytree(staged, place)
+        copy_tree(staged, place)
         commit_groups(place, [find_staged(place)[digest(0)]])
     for moment in (40, 90, 140):
         killed_at(folder, moment)
@@ -170,7 +170,7 @@ def test_another_order_after_a_kill_leaves_no_trace(staged: Path, tmp_path: Path
 def test_readers_see_old_or_new(staged: Path, tmp_path: Path) -> None:
     """While takes are committed, readers see a consistent store: the old one they opened, or a newer one."""
     folder = tmp_path / "ds.zarr"
-    shutil.copytree(staged, folder)
+    copy_tree(staged, folder)
     commit_groups(folder, [find_staged(folder)[digest(seed)] for seed in SEEDS[:2]])
     old = Store.open(folder)
     before = old.encoded(range(old.n_frames))

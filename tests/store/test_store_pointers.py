@@ -1,8 +1,7 @@
 """A store that was cloned without Git LFS says so, whichever of its files are pointers."""
 
-import shutil
-
 import pytest
+from copied_trees import copy_tree
 
 from tactiledata.errors import NotFetched
 from tactiledata.splits.manifest import read_split
@@ -29,7 +28,7 @@ READS = {
 @pytest.fixture
 def store(tiny_store, tmp_path):
     """A copy to put pointers into."""
-    return shutil.copytree(tiny_store, tmp_path / "ds.zarr")
+    return copy_tree(tiny_store, tmp_path / "ds.zarr")
 
 
 def contents(store):

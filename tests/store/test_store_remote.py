@@ -6,7 +6,6 @@ import functools
 import hashlib
 import http.server
 import os
-import shutil
 import threading
 import zipfile
 from collections.abc import Iterator
@@ -15,6 +14,7 @@ from pathlib import Path
 import fsspec
 import numpy as np
 import pytest
+from copied_trees import copy_tree
 from random_takes import SMALL, random_images, staged_take
 
 from tactiledata.contract.sealed import sealed_json
@@ -96,7 +96,7 @@ def url(folder: Path, tmp_path: Path, request: pytest.FixtureRequest) -> Iterato
 @pytest.mark.slow
 @pytest.mark.parametrize("url", ["file", "memory", "zip", "http"], indirect=True)
 def test_remote_store_reads_the_same(folder: Path, url: str) -> None:
-    """Tables, payloads, pictures, signals, values, references and splits: all as from the folder."""
+    """Tables, payloads, pictures, signals, values, references and splits are all as from the folder."""
     local, remote = Store.open(folder), Store.open(url)
     rows = np.random.default_rng(0).permutation(local.n_frames)
     assert remote.digest == local.digest
@@ -124,7 +124,7 @@ def test_remote_place_without_store(url: str) -> None:
 
 def test_missing_chunk_is_named(folder: Path, tmp_path: Path) -> None:
     """A chunk file that is gone is an error with its name."""
-    copy = Path(shutil.copytree(folder, tmp_path / "ds.zarr"))
+    copy = copy_tree(folder, tmp_path / "ds.zarr")
     (copy / "streams/digit/heap/c.0").unlink()
     store = Store.open(copy)
     encodings = store.frames(["encoding"])["encoding"].to_pylist()

@@ -276,7 +276,7 @@ def test_unknown_names_list_the_known(tmp_path: Path) -> None:
 
 
 def test_columns_are_projected(tmp_path: Path) -> None:
-    """Asked for some columns, a table has them in that order."""
+    """A table has the columns that were asked for, in that order."""
     store = filled(tmp_path, [[3], [4]])
     assert store.frames(["t_ns", "camera"]).column_names == ["t_ns", "camera"]
     assert store.frames(["camera"])["camera"].to_pylist() == store.frames()["camera"].to_pylist()

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
+from copied_trees import copy_tree
 
 from tactiledata.errors import UsageError
 from tactiledata.ingest.pipeline import ingest
@@ -20,7 +20,7 @@ from tactiledata.store.read.reader import Store
 @pytest.fixture
 def store(tiny_store: Path, tmp_path: Path) -> Path:
     """A copy of the tiny store, whose backgrounds came with its recordings."""
-    return Path(shutil.copytree(tiny_store, tmp_path / "ds.zarr"))
+    return copy_tree(tiny_store, tmp_path / "ds.zarr")
 
 
 @pytest.fixture

@@ -1,10 +1,9 @@
 """A store that was written before stray sizes were marked says so, and how to get the marks."""
 
-import shutil
-
 import cv2
 import numpy as np
 import pytest
+from copied_trees import copy_tree
 
 from tactiledata.contract.take import FrameFlag
 from tactiledata.ingest.pipeline import ingest
@@ -17,7 +16,7 @@ from tactiledata.store.read.reader import Store
 def log(tiny_folders, tmp_path):
     """A recording of which one picture is larger than the others."""
     folder = tmp_path / "log"
-    shutil.copytree(tiny_folders[0], folder)
+    copy_tree(tiny_folders[0], folder)
     place = sorted(one for one in (folder / "frames").rglob("*") if one.suffix in (".jpg", ".png"))[3]
     picture = cv2.imread(str(place))
     cv2.imwrite(str(place), np.repeat(np.repeat(picture, 2, axis=0), 2, axis=1))

@@ -10,6 +10,7 @@ from tactiledata.diagnose.naming.decide import Tie
 from tactiledata.diagnose.naming.evidence import ScoredCandidate
 from tactiledata.diagnose.naming.intervals import ProfiledInterval
 from tactiledata.diagnose.naming.name_effects import NamingResult
+from tactiledata.diagnose.naming.own_error_sizes import OddTouch
 from tactiledata.diagnose.naming.remaining_structure import RemainingStructure
 from tactiledata.diagnose.naming.simulator_share import simulator_share, simulator_share_words
 from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
@@ -142,7 +143,7 @@ class Answer:
             sentences = [_claim(best, self._probability_of(best)), *(_tie(tie) for tie in decision.ties)]
             if decision.is_more_left:
                 sentences.append("The residual still has structure that no effect of the catalogue explains.")
-            return [*sentences, *_worst_two(decision.left), _of_the_known(best, self.naming)]
+            return [*sentences, *_worst_two(decision.left), *_odd(self.naming.odd), _of_the_known(best, self.naming)]
         # no claim: the verdict
         if self.verdict is Verdict.NOT_EXPLAINED:
             sentences = ["Not explained: the residual has structure, and no effect of the catalogue explains it."]
@@ -156,7 +157,7 @@ class Answer:
             sentences = [
                 "Nothing found: noise, contact offsets and known errors of the simulation account for all differences."
             ]
-        sentences += _worst_two(decision.left)
+        sentences += [*_worst_two(decision.left), *_odd(self.naming.odd)]
         # why the nearest candidate is not claimed, and what could not have been seen
         if best is not None and decision.objections:
             objections = "; ".join(decision.objections)
@@ -258,6 +259,15 @@ def _worst_two(left: RemainingStructure) -> list[str]:
     return [
         f"The residual beyond the noise is nearly all in {joined_names(left.worst_two)}: look at these two touches."
         " Missing physics would show in the others, too."
+    ]
+
+
+def _odd(touches: Sequence[OddTouch]) -> list[str]:
+    """Return a sentence on each touch whose forces do not belong to the others."""
+    return [
+        f"Look at {touch.name}: the {touch.unknown} is {rounded(touch.factor)} there, and in other touches of its"
+        f" indenter it is 1 with a standard deviation of {rounded(touch.deviation)}."
+        for touch in touches
     ]
 
 

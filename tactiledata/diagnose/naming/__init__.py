@@ -7,7 +7,8 @@ Read in this order:
 3. `signatures`: what each effect would change. `screen`: how much of the residual it would explain, without a refit.
 4. `linearise`, `joint_fit`: the fit of material, effects and all nuisance parameters together. `refit`: which effects
    and pairs of effects are fitted in this way.
-   `error_sizes`: how large the errors of the simulation are, from the data at hand.
+   `error_sizes`: how large the errors of the simulation are, for each indenter, from the data at hand.
+   `own_error_sizes`: how large those of single touches are, and which touches do not belong to the others.
 5. `held_out`: how well fits predict data they have not seen. `remaining_structure`: whether the best fit leaves more
    than noise.
 6. `agreement`: how well trajectories agree on an effect. `evidence`: gain, evidence and signature of a candidate, and

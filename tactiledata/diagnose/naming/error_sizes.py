@@ -8,15 +8,21 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import minimize
 
-from tactiledata.arrays import Array
-from tactiledata.diagnose.naming.joint_fit import JointFit
+from tactiledata.arrays import Array, Indices
+from tactiledata.diagnose.naming.joint_fit import JointFit, settled_plain_fit
 from tactiledata.diagnose.naming.metric import RandomEffects
+from tactiledata.diagnose.naming.own_error_sizes import own_size_penalty, with_estimated_own_sizes
 from tactiledata.diagnose.naming.parameters import JointModel
 from tactiledata.diagnose.touches.simulation_errors import FAMILIES
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
 
 DOUBT = 0.7
-"""Standard deviation of the logarithm of a size about 0: two solvers differ by 1 to 10 %, about 3 %."""
+"""Standard deviation of the logarithm of a family's usual size about 0: two solvers differ by 1 to 10 %, about 3 %."""
+SPREAD = 0.7
+"""Standard deviation of the logarithm of a size under one indenter about its family's usual one: two solvers agree on a
+ball and not on the edge of a punch."""
+TURNS = 2
+"""How often the sizes of shared errors and of those of single touches are estimated in turn."""
 INFLUENCE = 1e-14
 """Information on a fitted number, as a share of the largest one, below which it counts as having no influence."""
 SMALLEST, LARGEST = 0.6, 4.0
@@ -24,11 +30,39 @@ SMALLEST, LARGEST = 0.6, 4.0
 them does not simulate this gel."""
 
 
+def with_estimated_errors(whitened: WhitenedTouches, fit: JointFit) -> tuple[WhitenedTouches, JointFit]:
+    """Return the trajectories with all sizes of errors estimated from the residual of a plain fit, and the fit to them.
+
+    Errors that touches of an indenter share and those of single touches compete for the same residual: their sizes are
+    estimated in turn, ``TURNS`` times.
+
+    Parameters
+    ----------
+    whitened : WhitenedTouches
+        Trajectories.
+    fit : JointFit
+        Fit to them, without effects.
+    """
+    for _ in range(TURNS):
+        whitened = with_simulated_by(whitened, fit)
+        for estimated in (with_estimated_sizes, with_estimated_own_sizes):
+            before, whitened = whitened, estimated(whitened, fit)
+            fit = settled_plain_fit(whitened, with_errors_of(fit.model, before, whitened))
+    return whitened, fit
+
+
+def with_simulated_by(whitened: WhitenedTouches, fit: JointFit) -> WhitenedTouches:
+    """Return the trajectories with errors in proportion to the wrenches of a fit."""
+    model = fit.model
+    return whitened.with_simulated(whitened.touch_set.play(model.material, model.settings, model.offsets))
+
+
 def with_estimated_sizes(whitened: WhitenedTouches, fit: JointFit) -> WhitenedTouches:
     """Return the trajectories with the sizes of the simulation's errors that make the residual of a fit most likely.
 
-    The sizes of the families maximise the marginal likelihood of the residual, to first order about the fit, times a
-    log-normal prior (empirical Bayes). What is missing from the fitted model can only make them larger.
+    There is one size for each family and indenter. They maximise the marginal likelihood of the residual, to first
+    order about the fit, times a hierarchical log-normal prior (empirical Bayes): sizes of a family are alike. What is
+    missing from the fitted model can only make them larger.
 
     Parameters
     ----------
@@ -40,9 +74,10 @@ def with_estimated_sizes(whitened: WhitenedTouches, fit: JointFit) -> WhitenedTo
     Source: MacKay, Neural Computation 4 (1992), the evidence for hyperparameters.
     """
     cost = _size_cost(whitened, fit)
-    bounds = [(np.log(SMALLEST), np.log(LARGEST))] * len(FAMILIES)
-    found = minimize(cost, np.log(_sizes(whitened)), method="L-BFGS-B", bounds=bounds)
-    sizes = dict(zip(FAMILIES, np.exp(found.x).tolist(), strict=True))
+    start = np.log(_sizes(whitened))
+    bounds = [(np.log(SMALLEST), np.log(LARGEST))] * len(start)
+    found = minimize(cost, np.clip(start, *bounds[0]), jac=True, method="L-BFGS-B", bounds=bounds)
+    sizes = dict(zip(_groups(whitened), np.exp(found.x).tolist(), strict=True))
     return replace(whitened, errors=whitened.errors.with_sizes(sizes))
 
 
@@ -59,7 +94,8 @@ def size_penalty(whitened: WhitenedTouches, fit: JointFit, other: WhitenedTouche
         The same trajectories with other sizes.
     """
     cost = _size_cost(whitened, fit)
-    return max(0.0, 0.5 * (cost(np.log(_sizes(other))) - cost(np.log(_sizes(whitened)))))
+    of_shared = max(0.0, 0.5 * (cost(np.log(_sizes(other)))[0] - cost(np.log(_sizes(whitened)))[0]))
+    return of_shared + own_size_penalty(whitened, fit, other.own.sizes or {})
 
 
 def with_errors_of(model: JointModel, before: WhitenedTouches, after: WhitenedTouches) -> JointModel:
@@ -77,20 +113,31 @@ def with_errors_of(model: JointModel, before: WhitenedTouches, after: WhitenedTo
 
 
 def smallest_ratio(before: WhitenedTouches, after: WhitenedTouches) -> float:
-    """Return the smallest ratio of a size after a change to that before it."""
-    return float((_sizes(after) / _sizes(before)).min())
+    """Return the smallest ratio of a size after a change to that before it, of shared errors and of single touches."""
+    of_touches = [after.own.size(name) / before.own.size(name) for name in before.indenter_names]
+    return float(min((_sizes(after) / _sizes(before)).min(), *of_touches))
+
+
+def _groups(whitened: WhitenedTouches) -> list[tuple[str, str]]:
+    """Family and indenter of each size; the indenter is empty for errors that all have in common."""
+    return list(dict.fromkeys((error.family, error.indenter) for error in whitened.simulation_errors))
 
 
 def _sizes(whitened: WhitenedTouches) -> Array:
-    """Sizes of the families (3,)."""
-    return np.array([whitened.errors.size(family) for family in FAMILIES])
+    """Sizes (g,) of the groups of errors."""
+    return np.array([whitened.errors.size(*group) for group in _groups(whitened)])
 
 
-def _size_cost(whitened: WhitenedTouches, fit: JointFit) -> Callable[[Array], float]:
-    """Twice the negative logarithm of marginal likelihood and prior, a function of the sizes' logarithms (3,)."""
+def _size_cost(whitened: WhitenedTouches, fit: JointFit) -> Callable[[Array], tuple[float, Array]]:
+    """Twice the negative logarithm of marginal likelihood and prior, and its gradient.
+
+    Both are functions of the logarithms (g,) of the sizes.
+    """
     errors, now = whitened.simulation_errors, np.log(_sizes(whitened))
+    groups = _groups(whitened)
+    of_error = np.array([groups.index((error.family, error.indenter)) for error in errors])
+    of_family = np.array([FAMILIES.index(family) for family, _ in groups])
     first = len(fit.precision) - len(errors)
-    family = np.array([FAMILIES.index(error.family) for error in errors])
     about = RandomEffects(fit.own, fit.shared[:, :, :0], fit.precision[:0], fit.starts)
     gram = about.products(fit.shared, fit.shared)
     toward = about.products(fit.shared, fit.residual_at_centre[:, :, None])[:, 0]
@@ -99,14 +146,40 @@ def _size_cost(whitened: WhitenedTouches, fit: JointFit) -> Callable[[Array], fl
     gram, toward, known_precision = gram[np.ix_(is_known, is_known)], toward[is_known], fit.precision[is_known]
     first -= int((~is_known[:first]).sum())
 
-    def cost(logarithms: Array) -> float:
+    def cost(logarithms: Array) -> tuple[float, Array]:
         precision = known_precision.copy()
-        precision[first:] = np.exp(-2.0 * (logarithms - now))[family]
-        posterior = gram + np.diag(precision)
-        scale = np.sqrt(np.maximum(np.diag(posterior), 1e-300))
-        scaled = posterior / np.outer(scale, scale)
-        determinant = np.linalg.slogdet(scaled)[1] + 2.0 * np.log(scale).sum() - np.log(precision[first:]).sum()
-        explained = float((toward / scale) @ np.linalg.lstsq(scaled, toward / scale, rcond=1e-12)[0])
-        return float(determinant - explained + ((logarithms / DOUBT) ** 2).sum())
+        precision[first:] = np.exp(-2.0 * (logarithms - now))[of_error]
+        covariance, determinant = _inverse(gram + np.diag(precision))
+        mean = covariance @ toward
+        determinant -= np.log(precision[first:]).sum()
+        # d/dp of ln det(G + P) - ln p - gᵀ (G + P)⁻¹ g is C_ii - 1 / p + m_i², and dp/dl is -2 p
+        slopes = -2.0 * (precision * (np.diag(covariance) + mean**2) - 1.0)[first:]
+        prior, of_prior = _size_prior(logarithms, of_family)
+        return float(determinant - toward @ mean + prior), np.bincount(of_error, slopes, len(groups)) + of_prior
 
     return cost
+
+
+def _inverse(matrix: Array) -> tuple[Array, float]:
+    """Inverse (q, q) of a symmetric positive matrix, and the logarithm of its determinant; its diagonal scaled to 1."""
+    scale = np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+    scaled = matrix / np.outer(scale, scale)
+    inverse = np.linalg.pinv(scaled, rcond=1e-12, hermitian=True) / np.outer(scale, scale)
+    return inverse, float(np.linalg.slogdet(scaled)[1] + 2.0 * np.log(scale).sum())
+
+
+def _size_prior(logarithms: Array, of_family: Indices) -> tuple[float, Array]:
+    """Twice the negative logarithm of the prior of sizes, and its gradient (g,); each family's usual size maximises it.
+
+    Parameters
+    ----------
+    logarithms : (g,)
+        Logarithms of the sizes.
+    of_family : (g,)
+        Number of each one's family.
+    """
+    counts = np.bincount(of_family)
+    usual = np.bincount(of_family, logarithms) / SPREAD**2 / (counts / SPREAD**2 + 1.0 / DOUBT**2)
+    off = (logarithms - usual[of_family]) / SPREAD
+    # the gradient over a usual size is 0 where it maximises the prior
+    return float((off**2).sum() + ((usual / DOUBT) ** 2).sum()), 2.0 * off / SPREAD

@@ -60,6 +60,7 @@ def named_with_full_plays(
     play: Callable[[frozenset[GelVariant]], AnyPlayed],
     name: Callable[[AnyPlayed], NamingResult],
     thresholds: DecisionThresholds,
+    told: Callable[[NamingResult], None] = lambda naming: None,
 ) -> tuple[AnyPlayed, NamingResult, tuple[FullPlay, ...]]:
     """Return touches, the effects that their simulation lacks, and how far estimates were off.
 
@@ -71,6 +72,8 @@ def named_with_full_plays(
         Names the effects that the simulation of touches lacks.
     thresholds : DecisionThresholds
         An effect is looked at closely where its evidence is enough for a trace.
+    told : callable
+        Called with the first answer where gels have yet to be played in full.
     """
     full: frozenset[GelVariant] = frozenset()
     played = play(full)
@@ -80,6 +83,8 @@ def named_with_full_plays(
         wanted = frozenset(variant for effect in promising(naming, thresholds) for variant in estimated(effect))
         if wanted <= full:
             break
+        if not full:
+            told(naming)
         full |= wanted
         played = play(full)
         naming = name(played)

@@ -28,6 +28,12 @@ MOST_DAMPING = 1e2
 """Relative damping of the normal equations at which a fit gives up looking for a step that lowers the cost."""
 HALVINGS = 3
 """Largest number of times that the motion of contact offsets is halved before the whole step is damped."""
+ALTERNATIONS = 3
+"""How often errors of the simulation are taken anew about a fit, and fitted again, at most."""
+LATER_ROUNDS = 3
+"""Rounds of a fit after the errors of the simulation were taken anew: it starts near its end."""
+SETTLED = 1.0
+"""Errors belong to a fit if taking them about it anew changes its cost by less than this."""
 BEHIND = 100.0
 """A fit whose cost is above that of another explanation by more than this ends early if it is unlikely to catch up."""
 
@@ -217,6 +223,54 @@ def joint_fit(
     )  # fmt: skip
 
 
+def first_fit(whitened: WhitenedTouches, start: JointModel, to_beat: float = np.inf) -> JointFit:
+    """Return the fit from a start, with the errors of the simulation about the start.
+
+    Parameters
+    ----------
+    whitened : WhitenedTouches
+        Measured trajectories.
+    start : JointModel
+        Where the fit starts.
+    to_beat : float
+        Cost of another explanation: a fit that stays far behind it ends early.
+
+    Raises
+    ------
+    UsageError
+        Gel and springs find no balance at the start.
+    """
+    return joint_fit(whitened, _fields(whitened, start), start, to_beat=to_beat)
+
+
+def settled_fits(whitened: WhitenedTouches, first: JointFit) -> tuple[JointFit, JointFit]:
+    """Return the last two fits of an alternation: each has the errors of the simulation about the model before it.
+
+    Errors of the simulation are shares of simulated wrenches, which move with the fit. Only a fit whose errors are
+    those about itself may be compared with another one. Where the alternation does not settle, as with an effect that
+    cuts forces off, the two differ.
+
+    Parameters
+    ----------
+    whitened : WhitenedTouches
+        Measured trajectories.
+    first : JointFit
+        Fit from which the alternation starts.
+    """
+    before = after = first
+    for _ in range(ALTERNATIONS):
+        fields = _fields(whitened, after.model)
+        before, after = after, joint_fit(whitened, fields, after.model, rounds=LATER_ROUNDS)
+        if abs(after.cost - before.cost) < SETTLED:
+            break
+    return before, after
+
+
+def _fields(whitened: WhitenedTouches, model: JointModel) -> Array:
+    """Whitened errors of the simulation (N, 6, e) at a model: they pass through its effects as forces do."""
+    return whitened.simulation_error_fields(model.material, model.offsets, model.settings)
+
+
 def _better(
     work: Linearised, model: JointModel, state: Evaluation, slopes: Sensitivities, damping: float
 ) -> tuple[JointModel, Evaluation, float] | None:
@@ -249,6 +303,14 @@ def _better(
 
 def plain_fit(whitened: WhitenedTouches, material: GelMaterial) -> JointFit:
     """Return the fit without effects, from a start material: E, nu, mu, contact offsets, errors of the simulation."""
-    numerical = whitened.simulation_error_fields(material)
-    model = joint_model(material, [], len(whitened.starts), numerical.shape[2], box=whitened.touch_set.box)
-    return joint_fit(whitened, numerical, model)
+    errors = len(whitened.simulation_errors)
+    model = joint_model(material, [], len(whitened.starts), errors, box=whitened.touch_set.box)
+    return settled_plain_fit(whitened, model)
+
+
+def settled_plain_fit(whitened: WhitenedTouches, start: JointModel) -> JointFit:
+    """Return the fit without effects from a start; of two fits that do not settle, the one with the lower cost.
+
+    What an effect explains is measured against it, so that doubt is in favour of the plain simulation.
+    """
+    return min(settled_fits(whitened, first_fit(whitened, start)), key=lambda fit: fit.cost)

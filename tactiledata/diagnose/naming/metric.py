@@ -66,7 +66,7 @@ class RandomEffects:
     @cached_property
     def _inverse(self) -> Array:
         """Posterior covariance (m, m) of the shared parameters; directions without information and prior are 0."""
-        gram = np.einsum("nkp,nkq->pq", self.shared, self._shared_without_own) + np.diag(self.precision)
+        gram = np.tensordot(self.shared, self._shared_without_own, axes=([0, 1], [0, 1])) + np.diag(self.precision)
         # with the diagonal scaled to 1, the cut-off of the pseudo-inverse does not depend on the parameters' units
         scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
         inverse: Array = np.linalg.pinv(gram / np.outer(scale, scale), rcond=1e-10, hermitian=True)
@@ -76,12 +76,13 @@ class RandomEffects:
         """Return fields (N, 6, c) times the inverse of the whole covariance (Woodbury's identity)."""
         if not self.shared.shape[2]:
             return self.without_own(field)
-        onto_shared = np.einsum("nkp,nkc->pc", self._shared_without_own, field)
-        return self.without_own(field) - np.einsum("nkp,pc->nkc", self._shared_without_own, self._inverse @ onto_shared)
+        onto_shared = np.tensordot(self._shared_without_own, field, axes=([0, 1], [0, 1]))
+        return self.without_own(field) - self._shared_without_own @ (self._inverse @ onto_shared)
 
     def products(self, field: Array, other: Array) -> Array:
         """Return products (c, d) of fields (N, 6, c) with fields (N, 6, d) in the metric."""
-        return np.einsum("nkc,nkd->cd", field, self.weigh(other), optimize=True)
+        found: Array = np.tensordot(field, self.weigh(other), axes=([0, 1], [0, 1]))
+        return found
 
     def cost(self, residual: Array) -> float:
         """Return the square of a residual (N, 6) in the metric."""

@@ -13,14 +13,16 @@ from tactiledata.diagnose.naming.error_sizes import (
     size_penalty,
     smallest_ratio,
     with_errors_of,
+    with_estimated_errors,
     with_estimated_sizes,
 )
 from tactiledata.diagnose.naming.evidence import ScoredCandidate
 from tactiledata.diagnose.naming.held_out import held_out
 from tactiledata.diagnose.naming.identifiability import Identifiability, identifiability_of
 from tactiledata.diagnose.naming.intervals import ProfiledInterval, intervals
-from tactiledata.diagnose.naming.joint_fit import JointFit, joint_fit, plain_fit
+from tactiledata.diagnose.naming.joint_fit import JointFit, plain_fit, settled_plain_fit
 from tactiledata.diagnose.naming.options import NamingOptions
+from tactiledata.diagnose.naming.own_error_sizes import OddTouch, odd_touches, with_estimated_own_sizes
 from tactiledata.diagnose.naming.refit import Refits
 from tactiledata.diagnose.naming.screen import Screened, screen
 from tactiledata.diagnose.naming.signatures import Signature, effect_signatures, playable
@@ -54,6 +56,8 @@ class NamingResult:
         The answer.
     not_tried : tuple of str
         Effects that depend on covariates which some touches do not have.
+    odd : tuple of OddTouch
+        Touches whose forces do not belong to the others, in the decision's best fit.
     """
 
     whitened: WhitenedTouches
@@ -65,6 +69,7 @@ class NamingResult:
     scored: list[ScoredCandidate]
     decision: Decision
     not_tried: tuple[str, ...]
+    odd: tuple[OddTouch, ...] = ()
 
 
 def name_effects(
@@ -101,9 +106,7 @@ def name_effects(
         whitened = whitened.with_trust(_huber(base.residual))
         base = plain_fit(whitened, base.model.material)
     # errors of the simulation: sizes that suit the data, and fields about the material of the plain fit
-    whitened = with_estimated_sizes(whitened, base)
-    numerical = whitened.simulation_error_fields(base.model.material, base.model.offsets)
-    base = joint_fit(whitened, numerical, base.model)
+    whitened, base = with_estimated_errors(whitened, base)
     # screen and refits of single effects, with smaller errors of the simulation where an effect explains these
     names, not_tried = playable(whitened, chosen.effects)
     progress("screen")
@@ -120,7 +123,10 @@ def name_effects(
         intervals(whitened, fit, max(1.0, decision.left.dispersion), chosen.profile and claimed) for fit in (base, best)
     )
     identifiable = identifiability_of(base.metric, tried.signatures, tuple(not_tried), names)
-    return NamingResult(whitened, base, before, after, identifiable, tried.screened, scored, decision, tuple(not_tried))
+    odd = odd_touches(whitened, best)
+    return NamingResult(
+        whitened, base, before, after, identifiable, tried.screened, scored, decision, tuple(not_tried), odd
+    )
 
 
 @dataclass(frozen=True)
@@ -157,18 +163,17 @@ def _with_smaller_errors(first: _Tried, names: Sequence[str]) -> _Tried:
     taken to be larger hide the missing physics.
     """
     refits, best = first.refits, first.best
-    if best is None or first.evidence(best) < refits.options.thresholds.needed(best.names):
+    if best is None or first.evidence(best) < refits.options.thresholds.for_traces.needed(best.names):
         return first
-    whitened = with_estimated_sizes(refits.whitened, best)
+    whitened = with_estimated_own_sizes(with_estimated_sizes(refits.whitened, best), best)
     if smallest_ratio(refits.whitened, whitened) >= SMALLER:
         return first
     base = refits.base
-    numerical = whitened.simulation_error_fields(base.model.material, base.model.offsets)
     second = _tried(
         replace(
             refits,
             whitened=whitened,
-            base=joint_fit(whitened, numerical, with_errors_of(base.model, refits.whitened, whitened)),
+            base=settled_plain_fit(whitened, with_errors_of(base.model, refits.whitened, whitened)),
             reference=held_out(refits.whitened, base, refits.options.seed),
             size_penalty=size_penalty(refits.whitened, base, whitened),
         ),

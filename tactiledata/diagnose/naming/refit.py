@@ -7,13 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tactiledata.arrays import Array
 from tactiledata.diagnose.naming.decide import Decision, decide, ties_of_two
 from tactiledata.diagnose.naming.evidence import ScoredCandidate, range_checks, score_candidate
 from tactiledata.diagnose.naming.held_out import GroupedCosts, held_out
-from tactiledata.diagnose.naming.joint_fit import JointFit, joint_fit
+from tactiledata.diagnose.naming.joint_fit import BEHIND, JointFit, first_fit, settled_fits
 from tactiledata.diagnose.naming.options import NamingOptions
-from tactiledata.diagnose.naming.parameters import JointModel, joint_model
+from tactiledata.diagnose.naming.parameters import joint_model
 from tactiledata.diagnose.naming.remaining_structure import RemainingStructure
 from tactiledata.diagnose.naming.screen import Screened, screen
 from tactiledata.diagnose.naming.signatures import effect_signatures
@@ -22,8 +21,6 @@ from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.effects.simulate.setting import EffectSetting
 from tactiledata.errors import UsageError
 
-LAST_ROUNDS = 3
-"""Rounds of a refit after the errors of the simulation were taken anew with the fitted effects."""
 COMPARABLE = 0.8
 """Another effect is tried in place of a named one if its score is at least this share of the named one's."""
 
@@ -58,15 +55,20 @@ class Refits:
     size_penalty: float = 0.0
 
     def singles(self, screened: Sequence[Screened]) -> list[JointFit]:
-        """Return a refit of each promising effect, the best of its starts; effects without any balance are left out."""
+        """Return a refit of each promising effect, the best of its starts; effects without any balance are left out.
+
+        A refit that stays far behind a plausible one ends early.
+        """
         promising = [effect for effect in screened if effect.evidence > self.options.promising][
             : self.options.most_singles
         ]
-        fits = []
+        fits: list[JointFit] = []
         for effect in promising:
             self.progress(f"refit {effect.effect}")
-            tried = [self._fit(self.base, start, effect.strengths) for start in effect.starts]
-            fits += sorted(filter(None, tried), key=lambda fit: fit.cost)[:1]
+            to_beat = _cost_to_beat(fits)
+            tried = [self._first_fit(self.base, start, effect.strengths, to_beat) for start in effect.starts]
+            found = min(filter(None, tried), key=lambda fit: fit.cost, default=None)
+            fits += filter(None, [self._settled(found, to_beat)])
         return fits
 
     def pairs(self, screened: Sequence[Screened], singles: Sequence[JointFit]) -> list[JointFit]:
@@ -98,9 +100,9 @@ class Refits:
             names = tuple(dict.fromkeys(setting.effect for setting in start))
             self.progress(f"refit {' with '.join(names)}")
             strengths = frozenset().union(*(kept[name] for name in names))
-            to_beat = min((fit.cost for fit in fits if not range_checks(fit)[0]), default=np.inf)
-            fit = self._fit(first, start, strengths, to_beat)
-            fits += [fit] if fit is not None else []
+            to_beat = _cost_to_beat(fits)
+            fit = self._first_fit(first, start, strengths, to_beat)
+            fits += filter(None, [self._settled(fit, to_beat)])
         return fits
 
     def score_and_decide(
@@ -160,11 +162,12 @@ class Refits:
                 if name == named or other.score < least:
                     continue
                 strengths = model.strengths | other.strengths
-                fit = self._fit(alone, (*model.settings, *other.starts[0]), strengths, pair.cost)
-                fits += [(kept, fit)] if fit is not None else []
+                fit = self._first_fit(alone, (*model.settings, *other.starts[0]), strengths, pair.cost)
+                settled = self._settled(fit, pair.cost)
+                fits += [(kept, settled)] if settled is not None else []
         return fits
 
-    def _fit(
+    def _first_fit(
         self, near: JointFit, start: Sequence[EffectSetting], kept: frozenset[Strength], to_beat: float = np.inf
     ) -> JointFit | None:
         """Joint fit from start settings; ``None`` where gel and springs find no balance, as with too strong an effect.
@@ -186,13 +189,30 @@ class Refits:
         of_material_and_effects = model.vector[: 3 + len(model.coordinates)]
         model = model.at(np.concatenate([of_material_and_effects, from_there.errors]), from_there.offsets)
         try:
-            fit = joint_fit(self.whitened, self._error_fields(model), model, to_beat=to_beat)
-            again = joint_fit(self.whitened, self._error_fields(fit.model), fit.model, rounds=LAST_ROUNDS)
+            return first_fit(self.whitened, model, to_beat)
         except UsageError:
             return None
-        # where an effect cuts forces off, errors are not smooth and the second fit may be worse: the better one is kept
-        return min(fit, again, key=lambda either: either.cost)
 
-    def _error_fields(self, model: JointModel) -> Array:
-        """Whitened errors of the simulation (N, 6, e) at a model: they pass through its effects as forces do."""
-        return self.whitened.simulation_error_fields(model.material, model.offsets, model.settings)
+    def _settled(self, fit: JointFit | None, to_beat: float) -> JointFit | None:
+        """Return the fit with the errors of the simulation about itself; ``None`` where there is no balance.
+
+        Of two fits that do not settle the one with the higher cost is kept: doubt is in favour of the plain simulation.
+
+        Parameters
+        ----------
+        fit : JointFit, optional
+            Where it starts; ``None`` where nothing was found.
+        to_beat : float
+            Cost of another explanation: a fit that is far behind it stays as it is.
+        """
+        if fit is None or fit.cost > to_beat + BEHIND:
+            return fit
+        try:
+            return max(settled_fits(self.whitened, fit), key=lambda either: either.cost)
+        except UsageError:
+            return None
+
+
+def _cost_to_beat(fits: Sequence[JointFit]) -> float:
+    """Least cost of fits whose numbers are plausible; infinite where there is none."""
+    return min((fit.cost for fit in fits if not range_checks(fit)[0]), default=np.inf)

@@ -6,7 +6,8 @@ of each other. The contact offset, whose influence is not linear, is fitted inst
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,6 +19,8 @@ from tactiledata.nuisance.tare import tare_variance
 
 COMPONENTS = ("fx", "fy", "fz", "tx", "ty", "tz")
 """Components of a wrench, in their order."""
+FACTORS = ("factor on forces", "factor on shear")
+"""Names of the unknowns whose deviation differs by indenter: a simulation errs most where an edge presses."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +42,9 @@ class OwnErrors:
     locked : float
         Shear that friction still holds while a touch is taken off, as a share of the normal load that has been taken
         off.
+    sizes : dict, indenter -> float
+        Factor on ``force`` and ``shear`` in touches of an indenter, as estimated from the data at hand; 1 where nothing
+        is known.
     """
 
     slope: float = 0.01
@@ -47,28 +53,39 @@ class OwnErrors:
     force: float = 0.01
     shear: float = 0.02
     locked: float = 0.03
+    sizes: Mapping[str, float] | None = None
+
+    def with_sizes(self, sizes: Mapping[str, float]) -> OwnErrors:
+        """Return the same deviations with other factors for the indenters."""
+        return replace(self, sizes=dict(sizes))
+
+    def size(self, indenter: str) -> float:
+        """Return the factor on ``force`` and ``shear`` in touches of an indenter."""
+        return 1.0 if self.sizes is None else self.sizes.get(indenter, 1.0)
 
     def names(self) -> tuple[str, ...]:
         """Return the unknowns in words, in the order of `fields`."""
         return (
             *(f"zero of {name}" for name in COMPONENTS),
             *(f"drift of the zero of {name}" for name in COMPONENTS),
-            "place along x", "place along y", "factor on forces", "factor on shear", "held shear along x",
-            "held shear along y",
+            "place along x", "place along y", *FACTORS, "held shear along x", "held shear along y",
         )  # fmt: skip
 
-    def fields(self, case: TouchCase) -> Array:
+    def fields(self, case: TouchCase, wrench: Array) -> Array:
         """Return the change of a trajectory's wrenches (n, 6, r), N and N m, over one deviation of each unknown.
-
-        They are computed from the measured forces, so that they do not depend on what is fitted.
 
         Parameters
         ----------
         case : TouchCase
             The trajectory, n frames.
+        wrench : (n, 6) N, N m
+            Wrenches that the factors multiply: simulated ones where a fit is known, as factors on measured ones give
+            readings that are too low more weight than those that are too high, and pull E down.
+
+        Source: D'Agostini, Nucl. Instrum. Methods A 346 (1994), on uncertain normalisations.
         """
         count = len(case.touch)
-        measured = np.where(case.free_air[:, None], 0.0, np.nan_to_num(case.measured))
+        wrench = np.where(case.free_air[:, None], 0.0, np.nan_to_num(wrench))
         tips = np.nan_to_num(case.touch.tips)
         # zero: noise of a reading over the root of the number of readings; its drift grows from 0 at the first frame
         reading = case.noise.reading_variance * case.noise.memory
@@ -80,14 +97,14 @@ class OwnErrors:
         slope = share[:, None, None] * np.diag(sizes)
         # place: a force that attacks elsewhere has another torque
         ways = np.eye(2)
-        places = [self.place * moved_wrench(measured[:, :3], np.tile(way, (count, 1))) for way in ways]
+        places = [self.place * moved_wrench(wrench[:, :3], np.tile(way, (count, 1))) for way in ways]
         # shear, at the tip
-        shear = wrench_at_height(measured[:, :2], tips[:, :2], tips[:, 2])
-        load = measured[:, 2]
+        shear = wrench_at_height(wrench[:, :2], tips[:, :2], tips[:, 2])
+        load = wrench[:, 2]
         taken_off = largest_so_far(load, np.array([0])) - load
         taken_off = np.where(case.free_air, 0.0, taken_off)
         held = [wrench_at_height(np.outer(taken_off, way), tips[:, :2], tips[:, 2]) for way in ways]
-        others = [
-            *places, self.force * measured, self.shear * shear, *(self.locked * pull for pull in held),
-        ]  # fmt: skip
+        size = self.size(case.indenter)
+        factors = [size * self.force * wrench, size * self.shear * shear]
+        others = [*places, *factors, *(self.locked * pull for pull in held)]
         return np.concatenate([zero, slope, np.stack(others, axis=2)], axis=2)

@@ -24,8 +24,11 @@ from tactiledata.nuisance.numerical import LAW_ERROR, SHAPE_ERROR
 NORMAL, SHEAR, CENTRE = "normal force", "shear", "centre of pressure"
 """Families of errors, each with a size of its own."""
 FAMILIES = (NORMAL, SHEAR, CENTRE)
-SLIDING = 0.98
-"""Share of the friction limit from which shear counts as sliding."""
+SLIDING = (0.9, 1.0)
+"""Shares of the friction limit between which shear turns from sticking to sliding.
+
+The turn is gradual: with a sharp one the errors would jump where a frame is near the limit, and fits with errors about
+different materials would differ by more than effects do."""
 LARGEST_GROWTH = 2.5
 """Largest logarithm of a force over its typical one at which the growth of force is still counted."""
 
@@ -46,8 +49,9 @@ class NumericalErrors:
         Of each frame by itself, as a share of its force.
     centre : float
         Of the centre of pressure, in metres, under one indenter and of each frame by itself.
-    sizes : dict, family -> float
-        Factor on the errors of each family, as estimated from the data at hand; 1 where nothing is known.
+    sizes : dict, (family, indenter) -> float
+        Factor on the errors of a family under an indenter, as estimated from the data at hand; the indenter is empty
+        for errors that all have in common. It is 1 where nothing is known.
     """
 
     shape: float = SHAPE_ERROR["finite-strain"]
@@ -55,7 +59,7 @@ class NumericalErrors:
     shear: float = 0.04
     scatter: float = 0.007
     centre: float = 4e-5
-    sizes: Mapping[str, float] | None = None
+    sizes: Mapping[tuple[str, str], float] | None = None
 
     @staticmethod
     def of(mechanics: str) -> NumericalErrors:
@@ -63,13 +67,13 @@ class NumericalErrors:
         law = 0.03 * (LAW_ERROR[mechanics] / LAW_ERROR["finite-strain"])
         return NumericalErrors(shape=SHAPE_ERROR[mechanics], law=law)
 
-    def with_sizes(self, sizes: Mapping[str, float]) -> NumericalErrors:
-        """Return the same errors with other factors on the families."""
+    def with_sizes(self, sizes: Mapping[tuple[str, str], float]) -> NumericalErrors:
+        """Return the same errors with other factors, for each family and indenter."""
         return replace(self, sizes=dict(sizes))
 
-    def size(self, family: str) -> float:
-        """Return the factor on the errors of a family."""
-        return 1.0 if self.sizes is None else self.sizes[family]
+    def size(self, family: str, indenter: str = "") -> float:
+        """Return the factor on the errors of a family under an indenter, or on those that all have in common."""
+        return 1.0 if self.sizes is None else self.sizes.get((family, indenter), 1.0)
 
 
 @dataclass(frozen=True)
@@ -147,9 +151,10 @@ def _directions(contact: _Contact, rows: Mask, growth: Array, unloaded: Array) -
     wrench = contact.wrench
     load, shear = wrench[:, 2], wrench[:, :2]
     size = np.hypot(*shear.T)
-    slides = size >= SLIDING * contact.limit
     used = np.divide(size, contact.limit, out=np.zeros_like(size), where=contact.limit > 0)
-    sticking, sliding = (contact.sheared(shear * flag[:, None]) for flag in (~slides, slides))
+    turned = np.clip((used - SLIDING[0]) / (SLIDING[1] - SLIDING[0]), 0.0, 1.0)
+    slides = turned**2 * (3.0 - 2.0 * turned)
+    sticking, sliding = (contact.sheared(shear * share[:, None]) for share in (1.0 - slides, slides))
     touched = rows & (load > 0)
     bend = growth**2 - float(np.mean(growth[touched] ** 2)) if touched.any() else growth
     none = np.zeros_like(load)
@@ -221,7 +226,7 @@ def error_list(errors: NumericalErrors, names: Sequence[str]) -> tuple[ErrorDire
     """
 
     def error(kind: ErrorKind, name: str) -> ErrorDirection:
-        deviation = kind.times * getattr(errors, kind.of) * errors.size(kind.family)
+        deviation = kind.times * getattr(errors, kind.of) * errors.size(kind.family, name)
         return ErrorDirection(kind.what, kind.family, deviation, name)
 
     of_each = [error(kind, name) for name in names for kind in KINDS]

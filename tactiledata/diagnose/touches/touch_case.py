@@ -75,6 +75,11 @@ class TouchCase:
             if shape != expected:
                 raise UsageError(f"{what} of shape {shape} for trajectory {self.name!r}", f"{expected}", "Align them.")
 
+    @property
+    def indenter(self) -> str:
+        """Name of the indenter; a description of its shape where it has no name."""
+        return self.touch.indenter_name or repr(self.touch.indenter)
+
 
 class PlayedContact(NamedTuple):
     """Cached gel solution of one trajectory: request, starting balance, resulting state, resulting balance.
@@ -139,7 +144,7 @@ class TouchSet:
     @property
     def indenters(self) -> tuple[str, ...]:
         """Name of each trajectory's indenter; a description of its shape where it has no name."""
-        return tuple(case.touch.indenter_name or repr(case.touch.indenter) for case in self.touches)
+        return tuple(case.indenter for case in self.touches)
 
     def need_touches(self) -> None:
         """Refuse a set of fewer than ``FEWEST_CASES`` trajectories, or one with too few frames in a trajectory.

@@ -24,7 +24,7 @@ from tactiledata.diagnose.touches.simulation_errors import (
 from tactiledata.diagnose.touches.touch_case import TouchSet
 from tactiledata.effects.simulate.setting import EffectSetting
 from tactiledata.gel.elasticity.material import GelMaterial
-from tactiledata.nuisance.low_rank import low_rank_power
+from tactiledata.nuisance.low_rank import low_rank_core, low_rank_power, low_rank_product
 from tactiledata.nuisance.numerical import scatter_covariance
 
 
@@ -42,12 +42,15 @@ class WhitenedTouches:
         Factors on the whitened rows, of a robust fit; 1 in an ordinary one.
     own : OwnErrors
         Standard deviations of what is off in one trajectory alone.
+    simulated : (N, 6) N, N m, optional
+        Wrenches of a fit, in proportion to which simulation and touch are off; the measured ones where ``None``.
     """
 
     touch_set: TouchSet
     errors: NumericalErrors
     trust: Array
     own: OwnErrors = field(default_factory=OwnErrors)
+    simulated: Array | None = None
 
     @staticmethod
     def of(touch_set: TouchSet, errors: NumericalErrors | None = None, own: OwnErrors | None = None) -> WhitenedTouches:
@@ -69,6 +72,10 @@ class WhitenedTouches:
         """Return the same trajectories with factors (N,) on their whitened rows."""
         return replace(self, trust=trust)
 
+    def with_simulated(self, wrench: Array) -> WhitenedTouches:
+        """Return the same trajectories with wrenches (N, 6) of a fit, N and N m, that set the size of errors."""
+        return replace(self, simulated=np.where(np.isfinite(wrench), wrench, self.measured))
+
     @cached_property
     def starts(self) -> Indices:
         """First row (t,) of each trajectory."""
@@ -88,6 +95,11 @@ class WhitenedTouches:
     def measured(self) -> Array:
         """Measured wrenches (N, 6), N and N m, gel frame; 0 where unknown."""
         return np.nan_to_num(np.concatenate([case.measured for case in self.touch_set.touches]))
+
+    @property
+    def _wrench(self) -> Array:
+        """Wrenches (N, 6), N and N m, in proportion to which simulation and touch are off."""
+        return self.measured if self.simulated is None else self.simulated
 
     @cached_property
     def free_air(self) -> Mask:
@@ -117,7 +129,7 @@ class WhitenedTouches:
     @property
     def _scatter(self) -> Array:
         """Covariance (N, 6, 6), in squares and products of N and N m, of the simulation's frame-by-frame scatter."""
-        size = np.where(self.free_air, 0.0, np.linalg.norm(self.measured[:, :3], axis=1))
+        size = np.where(self.free_air, 0.0, np.linalg.norm(self._wrench[:, :3], axis=1))
         places = np.concatenate([case.touch.tips for case in self.touch_set.touches])
         along = np.repeat(self.errors.scatter * size[:, None], 3, axis=1)
         return scatter_covariance(along, self.errors.centre * size, places)
@@ -125,9 +137,16 @@ class WhitenedTouches:
     @cached_property
     def own_fields(self) -> Array:
         """Whitened change (N, 6, r) over one standard deviation of each of the r unknowns of a trajectory."""
-        fields = np.concatenate([self.own.fields(case) for case in self.touch_set.touches])
+        wrenches = np.split(self._wrench, self.starts[1:])
+        pairs = zip(self.touch_set.touches, wrenches, strict=True)
+        fields = np.concatenate([self.own.fields(case, wrench) for case, wrench in pairs])
         whitened: Array = self._whitening.transpose(0, 2, 1) @ fields
         return whitened
+
+    @cached_property
+    def _marginalising(self) -> Array:
+        """Matrices (t, r, r) that marginalise the own unknowns of each trajectory; see `low_rank_core`."""
+        return low_rank_core(self.own_fields, self.starts, -0.5)
 
     @cached_property
     def weights(self) -> Array:
@@ -153,12 +172,16 @@ class WhitenedTouches:
         """Return wrenches (N, 6) or (N, 6, c), N and N m, whitened, own unknowns marginalised; 0 where not finite."""
         wrenches = np.nan_to_num(rows.reshape(len(rows), 6, -1))
         white = self._whitening.transpose(0, 2, 1) @ wrenches
-        return low_rank_power(white, self.own_fields, self.starts, -0.5).reshape(rows.shape)
+        return low_rank_product(white, self.own_fields, self.starts, self._marginalising).reshape(rows.shape)
 
     def part(self, chosen: Mask) -> WhitenedTouches:
         """Return the chosen ones (t,) of the trajectories."""
         kept = [case for case, is_kept in zip(self.touch_set.touches, chosen, strict=True) if is_kept]
-        return replace(self, touch_set=replace(self.touch_set, touches=kept), trust=self.trust[chosen[self.trajectory]])
+        rows = chosen[self.trajectory]
+        simulated = None if self.simulated is None else self.simulated[rows]
+        return replace(
+            self, touch_set=replace(self.touch_set, touches=kept), trust=self.trust[rows], simulated=simulated
+        )
 
     def with_own(self, white: Array) -> Array:
         """Return whitened rows (N, 6) or (N, 6, c) with the marginalisation of own unknowns undone: frame by frame."""

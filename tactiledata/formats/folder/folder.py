@@ -57,14 +57,39 @@ class FolderFormat(CorpusFormat):
         return logs
 
     def read(self, source: Source, sink: ImageSink, mapping: Mapping[str, Any] | None = None) -> Recording:
-        """A recording, as `Format.read` says; the sizes of backgrounds and images are compared."""
+        """A recording, as `Format.read` says; the sizes of backgrounds and images are compared.
+
+        Parameters
+        ----------
+        source : Source
+            A folder log, as `sources` found it.
+        sink : ImageSink
+            Takes the images, in order.
+        mapping : dict, optional
+            A mapping document; it names cameras and describes the log.
+        """
         watch = SizeWatch(sink)
         recording = self.record(source, Intake(watch), mapping)
         sizes = size_findings(recording.references, watch.sizes)
         return replace(recording, findings=(*recording.findings, *sizes))
 
     def record(self, source: Source, intake: Intake, mapping: Mapping[str, Any] | None) -> Recording:
-        """The recording, its images given to the intake."""
+        """The recording, its images given to the intake.
+
+        Parameters
+        ----------
+        source : Source
+            A folder log, as `sources` found it.
+        intake : Intake
+            Takes the images; it is read afterwards for values and findings.
+        mapping : dict, optional
+            A mapping document; it names cameras and describes the log.
+
+        Raises
+        ------
+        BrokenLog
+            The folder has a description and no table.
+        """
         folder = LogFolder(Path(source.path))
         description = _description(folder, mapping or {})
         if not any(folder.table(table) for table in TABLES):

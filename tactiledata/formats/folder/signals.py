@@ -57,7 +57,22 @@ def read_signals(folder: LogFolder, description: LogDescription) -> ReadSignals:
 
 
 def open_table(folder: LogFolder, name: str, stream: str) -> tuple[CsvTable | None, tuple[Finding, ...]]:
-    """A table of the log and the findings about its text; ``None`` where it is absent, or empty, which is a finding."""
+    """A table of the log and the findings about its text; ``None`` where it is absent, or empty, which is a finding.
+
+    Parameters
+    ----------
+    folder : LogFolder
+        The log.
+    name : str
+        File name of the table.
+    stream : str
+        The stream that findings are about.
+
+    Raises
+    ------
+    BrokenLog
+        The table is there, is not empty, and cannot be read.
+    """
     path = folder.table(name)
     if path is None:
         return None, ()
@@ -72,7 +87,17 @@ def open_table(folder: LogFolder, name: str, stream: str) -> tuple[CsvTable | No
 
 
 def ignored_columns(table: CsvTable, known: tuple[str, ...], stream: str) -> list[Finding]:
-    """What is said about columns that the layout does not know."""
+    """What is said about columns that the layout does not know.
+
+    Parameters
+    ----------
+    table : CsvTable
+        The table that was read.
+    known : tuple of str
+        Names of the columns that the layout has.
+    stream : str
+        The stream that the finding is about.
+    """
     others = [column for column in table.columns if column not in known]
     if not others:
         return []

@@ -48,7 +48,20 @@ JOINT_LAYOUT = (
 
 
 def header_at(buffer: bytes, start: int, stop: int) -> tuple[int, bytes, int]:
-    """Stamp in ns, frame_id, and where the next field may begin, counted from the encapsulation's end."""
+    """Stamp in ns, frame_id, and where the next field may begin, counted from the encapsulation's end.
+
+    Parameters
+    ----------
+    buffer : bytes
+        A chunk or file that the message lies in.
+    start, stop : int
+        First byte of the message, and the byte after its last.
+
+    Raises
+    ------
+    ValueError
+        The message does not begin with a header in little-endian CDR.
+    """
     if stop - start < _HEADER.size:
         raise ValueError("shorter than a header")
     kind, _, sec, nanosec, size = _HEADER.unpack_from(buffer, start)
@@ -169,14 +182,40 @@ IMAGE_LAYOUT = (
 
 
 def compressed_at(buffer: bytes, start: int, stop: int) -> tuple[int, str, str, bytes]:
-    """Stamp, frame_id, format and bytes of a sensor_msgs/CompressedImage."""
+    """Stamp, frame_id, format and bytes of a sensor_msgs/CompressedImage.
+
+    Parameters
+    ----------
+    buffer : bytes
+        A chunk or file that the message lies in.
+    start, stop : int
+        First byte of the message, and the byte after its last.
+
+    Raises
+    ------
+    ValueError
+        The message is shorter than it says, or in another encoding.
+    """
     stamp, frame, offset = header_at(buffer, start, stop)
     style, offset = _string_at(buffer, start, stop, offset)
     return stamp, frame.decode(), style, _bytes_at(buffer, start, stop, offset)
 
 
 def image_at(buffer: bytes, start: int, stop: int) -> tuple[int, str, str, int, int, int, bytes]:
-    """Stamp, frame_id, encoding, height, width, step and bytes of a sensor_msgs/Image."""
+    """Stamp, frame_id, encoding, height, width, step and bytes of a sensor_msgs/Image.
+
+    Parameters
+    ----------
+    buffer : bytes
+        A chunk or file that the message lies in.
+    start, stop : int
+        First byte of the message, and the byte after its last.
+
+    Raises
+    ------
+    ValueError
+        The message is shorter than it says, or in another encoding.
+    """
     stamp, frame, offset = header_at(buffer, start, stop)
     offset = offset + 3 & ~3
     if start + 4 + offset + 8 > stop:

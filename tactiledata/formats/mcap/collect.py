@@ -30,7 +30,19 @@ class FaultCount:
         self.end_ns = log_ns
 
     def finding(self, code: str, message: str, stream: str, severity: Severity = "damage") -> list[Finding]:
-        """The finding, where there was anything; ``message`` may name ``{count}`` and ``{reason}``."""
+        """The finding, where there was anything; ``message`` may name ``{count}`` and ``{reason}``.
+
+        Parameters
+        ----------
+        code : str
+            Code of the finding.
+        message : str
+            Text of the finding, with ``{count}`` and ``{reason}`` where they belong.
+        stream : str
+            The stream that it is about.
+        severity : str
+            How bad it is; damage by default.
+        """
         if not self.count:
             return []
         text = message.format(count=self.count, reason=self.reason)
@@ -68,7 +80,19 @@ class SignalBuffer:
     unframed: int = 0
 
     def add(self, values: Sequence[float], log_ns: int, publish_ns: int, header_ns: int | None, frame: str) -> None:
-        """One sample, unless it states another frame than the one that is wanted; one that states none has that."""
+        """One sample, unless it states another frame than the one that is wanted; one that states none has that.
+
+        Parameters
+        ----------
+        values : (c,)
+            One number for each column of the signal.
+        log_ns, publish_ns : int
+            Stamps of the recorder and of the publisher, ns.
+        header_ns : int, optional
+            Stamp in the message, ns; ``None`` where the message has no header.
+        frame : str
+            The frame that the message states; empty where it states none.
+        """
         if self.frame is not None and frame != self.frame:
             if frame:
                 self.refused.add(log_ns, repr(frame))

@@ -28,6 +28,15 @@ def description_of(
 ) -> tuple[LogDescription, list[Finding]]:
     """The metadata record, the document beside the recording laid over it, and the mapping's description over both.
 
+    Parameters
+    ----------
+    source : Path
+        The recording: a file or a folder.
+    inventories : sequence of Survey
+        One for each file of the recording.
+    mapping : dict, optional
+        A mapping document, whose description wins.
+
     Raises
     ------
     SchemaError
@@ -65,7 +74,17 @@ def description_of(
 
 
 def backgrounds_of(source: Path, inventories: Sequence[Survey], description: LogDescription) -> Backgrounds:
-    """Backgrounds by sensor: attachments of the name, or files beside the recording or inside its folder."""
+    """Backgrounds by sensor: attachments of the name, or files beside the recording or inside its folder.
+
+    Parameters
+    ----------
+    source : Path
+        The recording: a file or a folder.
+    inventories : sequence of Survey
+        One for each file of the recording.
+    description : LogDescription
+        Names the backgrounds.
+    """
 
     def fetch(name: str, where: str) -> tuple[bytes, str]:
         for inventory in inventories:

@@ -102,7 +102,19 @@ class CameraBuffer:
     def push(
         self, image: tuple[bytes, str, int, int] | None, frame: str, log_ns: int, publish_ns: int, header_ns: int | None
     ) -> None:
-        """One image into the sink; ``None`` keeps the moment where the picture is lost."""
+        """One image into the sink; ``None`` keeps the moment where the picture is lost.
+
+        Parameters
+        ----------
+        image : (payload, encoding, height, width), optional
+            Bytes, their encoding, and pixels; ``None`` where the picture is lost.
+        frame : str
+            The frame_id of the message.
+        log_ns, publish_ns : int
+            Stamps of the recorder and of the publisher, ns.
+        header_ns : int, optional
+            Stamp in the message, ns; ``None`` where the message has no header.
+        """
         payload, encoding, height, width = image or (b"", "missing", 0, 0)
         serial = self.serial(frame)
         self.images += 1

@@ -127,7 +127,17 @@ def chunk_head(body: bytes) -> ChunkHead | None:
 
 
 def is_head(opcode: int, length: int, room: int) -> bool:
-    """Whether a record with this opcode and length can stand where ``room`` bytes follow its head."""
+    """Whether a record with this opcode and length can stand where ``room`` bytes follow its head.
+
+    Parameters
+    ----------
+    opcode : int
+        Kind of the record.
+    length : int
+        Bytes of its body, as the head says.
+    room : int
+        Bytes that follow the head.
+    """
     if length > room:
         return False
     shortest = SHORTEST.get(opcode)
@@ -135,7 +145,19 @@ def is_head(opcode: int, length: int, room: int) -> bool:
 
 
 def is_record(opcode: int, length: int, body: bytes, room: int) -> bool:
-    """Whether a head and the first bytes of its body agree with one another; stricter than `is_head`."""
+    """Whether a head and the first bytes of its body agree with one another; stricter than `is_head`.
+
+    Parameters
+    ----------
+    opcode : int
+        Kind of the record.
+    length : int
+        Bytes of its body, as the head says.
+    body : bytes
+        The first bytes of its body.
+    room : int
+        Bytes that follow the head.
+    """
     if not is_head(opcode, length, room):
         return False
     if opcode == CHUNK_RECORD:

@@ -57,6 +57,15 @@ bag/bag_0.mcap, bag_1.mcap …"""
     def read(self, source: Source, sink: ImageSink, mapping: Mapping[str, Any] | None = None) -> Recording:
         """A bag in one pass, its images into the sink, its signals kept compactly in memory.
 
+        Parameters
+        ----------
+        source : Source
+            An MCAP file, or a folder of the files of one recording.
+        sink : ImageSink
+            Takes the images, in order.
+        mapping : dict, optional
+            A mapping document; it says which topics are which streams.
+
         Raises
         ------
         BrokenLog

@@ -36,7 +36,17 @@ TO_SI = {
 
 
 def signal_taker(role: SignalRole, decoder: Decoder, sink: SignalBuffer) -> Take:
-    """What reads the messages of a channel into a signal: fast where it can be, and the general way where it must."""
+    """What reads the messages of a channel into a signal: fast where it can be, and the general way where it must.
+
+    Parameters
+    ----------
+    role : SignalRole
+        What the channel is, and which fields of its messages are read.
+    decoder : Decoder
+        Reads messages of the channel's type.
+    sink : SignalBuffer
+        Takes the samples.
+    """
     order = JointOrder(role.joint_names, sink.absent)
     fast: Take | None = None
     if role.fields:

@@ -88,7 +88,17 @@ class Survey:
     findings: list[Finding] = field(default_factory=list)
 
     def note(self, code: str, message: str, severity: str = "damage") -> None:
-        """Add a finding about this file."""
+        """Add a finding about this file.
+
+        Parameters
+        ----------
+        code : str
+            Code of the finding.
+        message : str
+            Its text; the file's name is put before it.
+        severity : str
+            How bad it is; damage by default.
+        """
         self.findings.append(Finding(code, severity, f"{self.path.name}: {message}"))  # type: ignore[arg-type]
 
     def define(self, opcode: int, body: bytes) -> None:

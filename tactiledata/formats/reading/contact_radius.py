@@ -44,9 +44,15 @@ def radius_findings(
     Parameters
     ----------
     radii : (n,), pixels
-    indenter_radius, pixel_pitch : metres
+        Radii of contacts as annotated.
+    indenter_radius : float
+        Radius of the ball, m.
+    pixel_pitch : float
+        Width of a pixel on the gel, m.
     what : str
         The annotation's name in the recording, for the message.
+    stream : str
+        The stream that the finding is about.
     """
     values = np.asarray(radii, dtype=float)
     is_impossible = impossible_radii(values, indenter_radius, pixel_pitch)

@@ -56,7 +56,17 @@ def stream_name(text: str) -> str:
 
 
 def subfolders(root: Path, depth: int, skip: Callable[[str], bool] = lambda name: False) -> Iterator[Path]:
-    """A folder and the folders below it, in natural order, at most ``depth`` levels deep; links are not followed."""
+    """A folder and the folders below it, in natural order, at most ``depth`` levels deep; links are not followed.
+
+    Parameters
+    ----------
+    root : Path
+        The folder to begin with.
+    depth : int
+        Levels below it that are looked into.
+    skip : callable
+        Of a folder's name: whether it and what lies below it are left out; none is by default.
+    """
     yield root
     if depth <= 0:
         return
@@ -158,7 +168,17 @@ def describe(
 
 
 def sensor_for(camera: str, known: str, mapping: Mapping[str, Any] | None) -> str:
-    """The sensor's serial: what a mapping says of the camera, else the name that the importer gives it."""
+    """The sensor's serial: what a mapping says of the camera, else the name that the importer gives it.
+
+    Parameters
+    ----------
+    camera : str
+        The camera's name in the recording.
+    known : str
+        The serial that the importer gives.
+    mapping : dict, optional
+        A mapping document; its ``images`` may name the sensor of a camera.
+    """
     stated = ((mapping or {}).get("images") or {}).get(camera, {}).get("sensor")
     return str(stated) if stated else known
 
@@ -180,10 +200,30 @@ class CorpusFormat(Format):
 
     @abstractmethod
     def record(self, source: Source, intake: Intake, mapping: Mapping[str, Any] | None) -> Recording:
-        """The recording, its images given to the intake."""
+        """The recording, its images given to the intake.
+
+        Parameters
+        ----------
+        source : Source
+            A part of the corpus, as `sources` found it.
+        intake : Intake
+            Takes the images, in order, with their values and findings.
+        mapping : dict, optional
+            A mapping document; it may name the sensor and describe it.
+        """
 
     def read(self, source: Source, sink: ImageSink, mapping: Mapping[str, Any] | None = None) -> Recording:
-        """A recording, as `Format.read` says."""
+        """A recording, as `Format.read` says.
+
+        Parameters
+        ----------
+        source : Source
+            A part of the corpus, as `sources` found it.
+        sink : ImageSink
+            Takes the images, in order.
+        mapping : dict, optional
+            A mapping document; it may name the sensor and describe it.
+        """
         return self.record(source, Intake(sink), mapping)
 
     def inspect(self, source: Source, mapping: Mapping[str, Any] | None = None) -> Inspection:
@@ -213,7 +253,23 @@ class CorpusFormat(Format):
         signals: Mapping[str, Signal] | None = None,
         references: Mapping[str, tuple[NDArray[np.uint8], str]] | None = None,
     ) -> Recording:
-        """The recording of what the intake took; ``references`` are pictures with their origin, by sensor."""
+        """The recording of what the intake took; ``references`` are pictures with their origin, by sensor.
+
+        Parameters
+        ----------
+        source : Source
+            What was read.
+        intake : Intake
+            Holds the findings and the values of images.
+        description : LogDescription
+            What is known of the recording beside its numbers.
+        trajectories : sequence of Trajectory
+            Its touches.
+        signals : dict of Signal, optional
+            Signals by name; none by default.
+        references : dict, optional
+            Pictures without contact (height, width, 3) uint8 with their origin, by sensor.
+        """
         pictures = references or {}
         return Recording(
             source,
@@ -231,6 +287,17 @@ class CorpusFormat(Format):
         """A source of this format: ``root`` is what the user named, ``home`` holds all ``files``.
 
         Where ``home`` holds several sources, ``part`` is the file or folder inside it that this one is about.
+
+        Parameters
+        ----------
+        root : Path
+            What the user named.
+        home : Path
+            Holds all ``files``.
+        files : sequence of Path
+            Files that the source is read from.
+        part : Path, optional
+            The file or folder inside ``home`` that this source is about, where ``home`` holds several.
         """
         key = key_of(root, home if part is None else part)
         return Source(str(home), key, self.name, tuple(map(str, files)), "" if part is None else part.name)

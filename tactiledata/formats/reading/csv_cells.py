@@ -115,7 +115,19 @@ class CsvTable:
             return _one_by_one(cells, _decimal_nanoseconds, np.int64(0))
 
     def row_finding(self, code: str, is_faulty: Mask, what: str, stream: str = "") -> list[Finding]:
-        """One finding of severity damage about the faulty rows; an empty list where there are none."""
+        """One finding of severity damage about the faulty rows; an empty list where there are none.
+
+        Parameters
+        ----------
+        code : str
+            Code of the finding.
+        is_faulty : (n,) bool
+            Which rows of the table are faulty.
+        what : str
+            What is wrong with them, as the message goes on after "3 of 10 rows".
+        stream : str
+            The stream that the finding is about.
+        """
         rows = np.flatnonzero(is_faulty)
         if not len(rows):
             return []

@@ -104,7 +104,21 @@ class Intake:
     def note(
         self, code: str, severity: Severity, message: str, stream: str = "", trajectory: str = "", count: int = 1
     ) -> None:
-        """A finding; of the same code, stream and trajectory the first message is kept and the counts are added."""
+        """A finding; of the same code, stream and trajectory the first message is kept and the counts are added.
+
+        Parameters
+        ----------
+        code : str
+            Code of the finding.
+        severity : str
+            How bad it is.
+        message : str
+            Its text.
+        stream, trajectory : str
+            What it is about; empty where it is about the whole recording.
+        count : int
+            How many times it was found.
+        """
         place = (code, stream, trajectory)
         known = self._findings.get(place)
         if known is None:
@@ -121,7 +135,19 @@ class Intake:
         )
 
     def declare(self, name: str, columns: tuple[str, ...], units: tuple[str, ...], note: str = "") -> None:
-        """A kind of values that images carry."""
+        """A kind of values that images carry.
+
+        Parameters
+        ----------
+        name : str
+            Of the kind of values.
+        columns : tuple of str
+            Names of its columns.
+        units : tuple of str
+            Their units; "1" for a number without one.
+        note : str
+            What the values are and where they come from.
+        """
         self._columns.setdefault(name, _Column(columns, units, note))
 
     def width(self, name: str) -> int:
@@ -139,7 +165,25 @@ class Intake:
         name: str = "",
         values: Mapping[str, Sequence[float] | NDArray[np.float64]] | None = None,
     ) -> None:
-        """One image (or, without a payload, a moment whose image is not there), with the values that belong to it."""
+        """One image (or, without a payload, a moment whose image is not there), with the values that belong to it.
+
+        Parameters
+        ----------
+        camera : str
+            Name of the camera.
+        payload : callable, optional
+            Gives the image's bytes, or its pixels (height, width, 3), RGB; ``None`` where only the moment is known.
+        t_ns : int
+            Its moment, ns.
+        sensor : str
+            Serial of the sensor that took it.
+        trajectory : str
+            The touch that it belongs to; empty where it belongs to none.
+        name : str
+            The image's name in the recording.
+        values : dict of (c,), optional
+            Values that belong to the image, by a declared name.
+        """
         for kind, row in (values or {}).items():
             self._columns[kind].add(self.images, row)
         seen = self.cameras.setdefault(camera, [0, t_ns, t_ns, ""])

@@ -86,6 +86,13 @@ def contact_poses(
     The object's inverse times the DIGIT's pose, then 22 mm back along the DIGIT's z axis to the gel; ``alignment``
     (4, 4) corrects the translation only, as YCB-Slide does: its translation is added, its rotation does not act.
     Rows without both poses, and jumps, are NaN; no row is dropped.
+
+    Parameters
+    ----------
+    digit, thing : (n, 7)
+        Poses of the DIGIT and of the object in the tracker's frame, m and quaternions as `is_pose` takes them.
+    alignment : (4, 4)
+        The correction of YCB-Slide for this object, m.
     """
     poses = np.full((len(digit), 7), np.nan)
     is_whole = is_pose(digit) & is_pose(thing)

@@ -7,12 +7,27 @@ SHORTEST_STEP = 1_000
 
 
 def has_times(count: int, first_ns: int, last_ns: int) -> bool:
-    """Whether ``count`` stamps from the first to the last can be times; a single one can."""
+    """Whether ``count`` stamps from the first to the last can be times; a single one can.
+
+    Parameters
+    ----------
+    count : int
+        Number of stamps.
+    first_ns, last_ns : int
+        The first and the last of them, ns.
+    """
     return count < 2 or last_ns - first_ns >= (count - 1) * SHORTEST_STEP
 
 
 def rate_of(count: int, first_ns: int, last_ns: int) -> float | None:
     """Hz, from the first stamp to the last; ``None`` of fewer than two, and of stamps that are no times.
+
+    Parameters
+    ----------
+    count : int
+        Number of stamps.
+    first_ns, last_ns : int
+        The first and the last of them, ns.
 
     Examples
     --------

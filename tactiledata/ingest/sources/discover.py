@@ -57,7 +57,7 @@ def find_sources(paths: Sequence[Path], format_name: str | None = None) -> tuple
             if pointers := [file for file in left if is_lfs_pointer(file)]:
                 raise not_fetched(str(pointers[0]), len(pointers) - 1)
             raise BrokenLog(
-                f"{path} is no recording that any format knows, and holds none",
+                f"{path} is not a recording in a known format, and contains none",
                 f"one of: {', '.join(FORMATS)}",
                 "`tactiledata formats` shows how each lies on disk; `tactiledata inspect PATH` says what is in a file.",
                 path=str(path),

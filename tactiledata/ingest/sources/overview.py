@@ -117,7 +117,8 @@ def draw(touches: Sequence[TouchPicture]) -> tuple[Figure, str]:
     if any(touch.has_force for touch in touches):
         shown = (
             "The firmest touches, one per sensor and indenter: the sensor without contact, at the largest force, the "
-            "difference (doubled, grey is none), and the contact force. Ticks are images; the dotted line: this one."
+            "difference (doubled, grey is none), and the contact force. Ticks mark images, and the dotted line marks "
+            "the image that is shown."
         )
     else:
         shown = (
@@ -158,11 +159,12 @@ def page(store: Store, picture: Picture | None, split: str, further: Sequence[Se
 
 def _status_sentence(status: dict[str, int]) -> str:
     words = {
-        "ok": "whole",
-        "unverified": "without checksums, so that it could not be verified",
-        "damaged": "with data lost to damage; what is whole was kept",
+        "ok": ("is whole", "are whole"),
+        "unverified": ("has no checksums and could not be verified", "have no checksums and could not be verified"),
+        "damaged": ("lost data to damage, and what is whole was kept",) * 2,
     }
-    return "; ".join(f"{counted(count, 'recording')} {words[name]}" for name, count in sorted(status.items())) + "."
+    said = [f"{counted(count, 'recording')} {words[name][count != 1]}" for name, count in sorted(status.items())]
+    return "; ".join(said) + "."
 
 
 def _recorded(picture: Picture | None) -> Section | None:
@@ -205,22 +207,24 @@ def _findings(store: Store) -> Section:
     ]
     if len(ranked) > 60:
         sentences.append(("", f"… and {len(ranked) - 60} more: tactiledata info --json"))
-    return Section("What the checks found", sentences=sentences or [("", "Nothing that you ought to know.")])
+    return Section("What the checks found", sentences=sentences or [("", "The checks found nothing.")])
 
 
 def _split(store: Store, split: str) -> Section:
     document = read_split_document(store, split) if split in store.split_names() else None
     if document is None:
         suggested = suggest_split(store)
-        none = [("warning", "There is no split yet; nothing may learn from this store.")]
+        none = [("warning", "There is no split yet. Draw one before you train on this store.")]
         if suggested.command:
             return Section("Split", sentences=none, code=[suggested.command])
-        return Section("Split", sentences=[*none, ("warning", f"None can be drawn yet: {suggested.reason}")])
+        return Section("Split", sentences=[*none, ("warning", f"No split can be drawn yet: {suggested.reason}")])
     counts = document["counts"]
     rows = [(part, counts[part]["trajectories"], counts[part]["frames"]) for part in (*PARTITIONS, EXCLUDED)]
     held = "; ".join(f"{kind} {', '.join(names)}" for kind, names in document["held_out"].items() if names)
     code: list[str] = []
-    sentences = [("", f"Split {split!r}: whole trajectories only. Held out for the second test: {held or 'nothing'}.")]
+    sentences = [
+        ("", f"The split {split!r} divides whole trajectories. Held out for test_unseen: {held or 'nothing'}.")
+    ]
     if problem := coverage_problem(read_split(store, split), store.trajectories(["uid"])["uid"]):
         again = "Draw it again; until then it cannot be loaded."
         sentences.append(("warning", f"The split is out of date: {problem}. {again}"))

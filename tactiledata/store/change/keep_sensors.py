@@ -24,7 +24,17 @@ BY_HAND = "added by hand: "
 def keep_sensors(
     store_path: Path | str, facts: Mapping[str, Mapping[str, Any]], references: Mapping[str, Reference]
 ) -> Manifest:
-    """The manifest after facts and pictures of sensors became part of a store that had no such pictures."""
+    """The manifest after facts and pictures of sensors became part of a store that had no such pictures.
+
+    Parameters
+    ----------
+    store_path : Path or str
+        Folder of the store.
+    facts : dict of dict
+        Facts by sensor; they replace what the store knew of that sensor.
+    references : dict of Reference
+        Pictures without contact (height, width, 3) uint8 with their origin, licence and model, by sensor.
+    """
     with changing(store_path) as (folder, manifest):
         with Batch(folder) as batch:
             root = open_root(batch)

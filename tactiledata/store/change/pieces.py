@@ -73,6 +73,17 @@ def take_of(piece: Piece, frames: pa.Table, findings: pa.Table, sensors: Mapping
 
     A picture without contact is the one that the store keeps of that sensor; the source's own may have been another.
 
+    Parameters
+    ----------
+    piece : Piece
+        The source and the store that it lies in.
+    frames : Table
+        Rows of its frames, by `FRAME_SCHEMA`.
+    findings : Table
+        Its findings, by `FINDING_SCHEMA`.
+    sensors : dict of dict
+        Facts by sensor that the take states.
+
     Raises
     ------
     StoreError
@@ -128,6 +139,10 @@ def parents(piece: Piece, parents: NDArray[np.int64], starts: Mapping[str, int])
 
     Parameters
     ----------
+    piece : Piece
+        The source that the frames belong to.
+    parents : (n,) int64
+        Rows in the table of frames of the piece's store; negative for a frame without a parent.
     starts : dict
         First frame in the other store of each source that is there, by digest.
     """

@@ -59,6 +59,8 @@ def check(
 
     Parameters
     ----------
+    store : Store or Path or str
+        An open store, or its folder, which is opened even where it is damaged.
     images : bool
         Whether every image is held against its CRC-32C.
     decode : bool
@@ -66,6 +68,7 @@ def check(
     threads : int, optional
         Threads that check images; one a core by default.
     progress : callable, optional
+        Told after each source and each block of images how far the check is.
 
     Raises
     ------
@@ -174,7 +177,19 @@ def _sensor_findings(store: Store) -> Iterator[Finding]:
 
 
 def image_findings(store: Store, decode: bool, threads: int | None, said: Callable[[int], None]) -> list[Finding]:
-    """Findings for damaged images: those that the store does not mark yet, and those that it does."""
+    """Findings for damaged images: those that the store does not mark yet, and those that it does.
+
+    Parameters
+    ----------
+    store : Store
+        The store, which may be damaged.
+    decode : bool
+        Whether images are decoded too.
+    threads : int, optional
+        Threads that check images; one a core by default.
+    said : callable
+        Told how many more images were checked.
+    """
     try:
         flags = np.asarray(store.frames(["flags"])["flags"])
         faults = list(payload_faults(store, decode, threads, said))

@@ -30,8 +30,12 @@ def payload_faults(
 
     Parameters
     ----------
+    store : Store
+        The store, which may be damaged.
     decode : bool
         Whether images are decoded too; those that the store marks as broken are left out of that.
+    threads : int, optional
+        Threads that check images; one a core by default.
     said : callable
         Told how many more images were checked.
     rows : range, optional

@@ -44,6 +44,8 @@ def repair(store_path: Path | str, decode: bool = False, progress: Progress | No
 
     Parameters
     ----------
+    store_path : Path or str
+        Folder of the store.
     decode : bool
         Whether the check afterwards decodes every image.
     progress : callable, optional

@@ -33,6 +33,8 @@ def value_findings(
 
     Parameters
     ----------
+    store : Store
+        The store, which may be damaged.
     said : callable
         Told the name of each source that was checked.
     is_asked : callable
@@ -81,6 +83,8 @@ def source_value_findings(
 
     Parameters
     ----------
+    store : Store
+        The store, which may be damaged.
     key, contents : str
         Of its row in the table of sources.
     frames : (first, stop)
@@ -118,9 +122,11 @@ def _spans(home: str, contents: dict[str, Any], frames: tuple[int, int]) -> Iter
 
 
 def _span_fault(store: Store, rows: dict[str, Rows], path: str, start: int, stop: int, expected: int) -> str:
-    values = rows.setdefault(path, store.rows(path, max(stop, rows[path].length if path in rows else 0)))
+    if path not in rows:
+        rows[path] = store.rows(path, stop)
+    values = rows[path]
     if values.length < stop:
-        values = rows[path] = store.rows(path, stop)
+        values.lengthen(stop)
     crc, last = 0, None
     try:
         for first in range(start, stop, BLOCK_ROWS):

@@ -39,7 +39,17 @@ class BatchStore(LocalStore):
     async def get(
         self, key: str, prototype: BufferPrototype | None = None, byte_range: ByteRequest | None = None
     ) -> Buffer | None:
-        """The newest value of a key."""
+        """The newest value of a key.
+
+        Parameters
+        ----------
+        key : str
+            Path of a file in the store.
+        prototype : BufferPrototype, optional
+            Kind of buffer that is returned; zarr's own by default.
+        byte_range : ByteRequest, optional
+            Part of the file; all of it by default.
+        """
         return await super().get(self.batch.where(key), prototype, byte_range)
 
     async def exists(self, key: str) -> bool:
@@ -59,7 +69,13 @@ class BatchStore(LocalStore):
     def get_sync(
         self, key: str, *, prototype: BufferPrototype | None = None, byte_range: ByteRequest | None = None
     ) -> Buffer | None:
-        """The newest value of a key, without an event loop."""
+        """The newest value of a key, without an event loop.
+
+        Parameters
+        ----------
+        key, prototype, byte_range
+            As those of `get`.
+        """
         return super().get_sync(self.batch.where(key), prototype=prototype, byte_range=byte_range)
 
     def set_sync(self, key: str, value: Buffer) -> None:
@@ -86,8 +102,20 @@ def create_rows(
 
     Parameters
     ----------
+    root : zarr.Group
+        The store's root, open for writing.
+    path : str
+        Of the new array in the store.
     width : int or tuple of int, optional
         Columns, or further axes; ``None`` for an array (n,).
+    dtype : str
+        Type of a number, as numpy writes it.
+    fill : float
+        What a row holds that was never written.
+    chunk_rows : int
+        Rows of one chunk.
+    attributes : dict
+        Kept in the array's document: columns, units and the like.
     """
     shape = (0, *(() if width is None else (width,) if isinstance(width, int) else width))
     _create(
@@ -105,7 +133,17 @@ def create_rows(
 
 
 def create_heap(root: zarr.Group, path: str, chunk_bytes: int) -> None:
-    """An empty array of bytes whose chunk files are the bytes themselves."""
+    """An empty array of bytes whose chunk files are the bytes themselves.
+
+    Parameters
+    ----------
+    root : zarr.Group
+        The store's root, open for writing.
+    path : str
+        Of the new array in the store.
+    chunk_bytes : int
+        Bytes of one chunk file.
+    """
     _create(
         root,
         path,
@@ -120,7 +158,18 @@ def create_heap(root: zarr.Group, path: str, chunk_bytes: int) -> None:
 
 
 def create_frames(root: zarr.Group, path: str, size: tuple[int, int], shard_frames: int) -> None:
-    """An empty array of raw frames (n, height, width, 3) uint8, one frame a chunk, in shards."""
+    """An empty array of raw frames (n, height, width, 3) uint8, one frame a chunk, in shards.
+
+    Parameters
+    ----------
+    root : zarr.Group
+        The store's root, open for writing.
+    path : str
+        Of the new array in the store.
+    size : (height, width), pixels
+    shard_frames : int
+        Frames of one shard.
+    """
     _create(
         root,
         path,
@@ -136,7 +185,18 @@ def create_frames(root: zarr.Group, path: str, size: tuple[int, int], shard_fram
 
 
 def write_image(root: zarr.Group, path: str, image: NDArray[np.uint8], attributes: Mapping[str, Any]) -> None:
-    """One picture (height, width, 3) as an array of its own."""
+    """One picture (height, width, 3) as an array of its own.
+
+    Parameters
+    ----------
+    root : zarr.Group
+        The store's root, open for writing.
+    path : str
+        Of the new array in the store.
+    image : (height, width, 3) uint8
+    attributes : dict
+        Kept in the array's document.
+    """
     array = _create(
         root,
         path,
@@ -166,6 +226,15 @@ def set_length(batch: Batch, path: str, length: int) -> None:
 
     zarr's own ``resize`` would delete whole chunks where a killed commit had left a longer shape; here shrinking and
     growing are the same rewrite of one file.
+
+    Parameters
+    ----------
+    batch : Batch
+        Takes the changed document.
+    path : str
+        Of the array in the store.
+    length : int
+        Rows that the array has afterwards.
     """
     place = f"{path}/zarr.json"
     document = json.loads(batch.read(place))
@@ -184,6 +253,12 @@ def append_rows(batch: Batch, path: str, start: int, stop: int, blocks: Iterable
 
     Parameters
     ----------
+    batch : Batch
+        Takes the changed files.
+    path : str
+        Of the array in the store.
+    start, stop : int
+        Rows that are written; the array has ``stop`` rows afterwards.
     blocks : iterable of (n, ...) arrays
         Of any length, together stop - start rows; one chunk of rows is kept in memory.
     """
@@ -207,7 +282,17 @@ def append_rows(batch: Batch, path: str, start: int, stop: int, blocks: Iterable
 
 
 def clear_rows(batch: Batch, path: str, length: int) -> None:
-    """An array without any trace of rows beyond ``length``, as if they had never been written."""
+    """An array without any trace of rows beyond ``length``, as if they had never been written.
+
+    Parameters
+    ----------
+    batch : Batch
+        Takes the changed files.
+    path : str
+        Of the array in the store.
+    length : int
+        Rows that the array keeps.
+    """
     array = open_rows(batch, path)
     chunk = array.chunks[0]
     last = -(-length // chunk)

@@ -23,6 +23,15 @@ BLOCK = 8 * 2**20
 def place_payloads(lengths: Sequence[int], start: int, chunk: int) -> NDArray[np.int64]:
     """Offsets of payloads put one after another from byte ``start`` on, none of them across a chunk's border.
 
+    Parameters
+    ----------
+    lengths : (n,) bytes
+        Of the payloads, none longer than a chunk.
+    start : int
+        Byte of the heap from which on there is room.
+    chunk : int
+        Bytes of a chunk.
+
     Examples
     --------
     >>> place_payloads([4, 4, 4], start=1, chunk=10).tolist()
@@ -66,6 +75,15 @@ class HeapAppender:
 
     def append(self, spool: Path, offsets: Indices, lengths: Indices, crc32c: NDArray[Any]) -> Indices:
         """Append the payloads at ``offsets`` of a spool file, and return their places in the heap.
+
+        Parameters
+        ----------
+        spool : Path
+            File of the payloads.
+        offsets, lengths : (n,) bytes
+            Where each payload lies in the spool file.
+        crc32c : (n,)
+            CRC-32C of each payload.
 
         Raises
         ------
@@ -116,7 +134,17 @@ class HeapAppender:
 
 
 def cut_chunk(descriptor: int, used: int, chunk: int) -> None:
-    """A chunk file with zeros after its first ``used`` bytes, of its nominal size."""
+    """A chunk file with zeros after its first ``used`` bytes, of its nominal size.
+
+    Parameters
+    ----------
+    descriptor : int
+        Of the chunk file, open for writing.
+    used : int
+        Bytes that stay.
+    chunk : int
+        Bytes of a chunk file.
+    """
     os.ftruncate(descriptor, used)
     os.ftruncate(descriptor, chunk)
 
@@ -182,7 +210,15 @@ class ShardAppender:
     _chunks: list[bytes] | None = None
 
     def append(self, spool: Path, offsets: Indices, lengths: Indices) -> Indices:
-        """The rows that the frames at ``offsets`` of a spool file got."""
+        """The rows that the frames at ``offsets`` of a spool file got.
+
+        Parameters
+        ----------
+        spool : Path
+            File of the compressed frames.
+        offsets, lengths : (n,) bytes
+            Where each frame lies in the spool file.
+        """
         chunks = self._tail() if self._chunks is None else self._chunks
         first = self.count
         with spool.open("rb") as stream:

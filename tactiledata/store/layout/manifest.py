@@ -146,6 +146,13 @@ def _need_schema(content: bytes, most_sources: int | None) -> None:
 def read_manifest(store_path: Path | str, checked: bool = True, damaged: bool = False) -> Manifest:
     """The manifest of a local store; ``checked`` and ``damaged`` are those of `parse_manifest`.
 
+    Parameters
+    ----------
+    store_path : Path or str
+        Folder of the store.
+    checked, damaged : bool
+        As those of `parse_manifest`.
+
     Raises
     ------
     MissingFile

@@ -109,7 +109,15 @@ def heap_path(camera: str) -> str:
 
 
 def rgb_path(camera: str, height: int, width: int) -> str:
-    """The array of a camera's raw images of one size."""
+    """The array of a camera's raw images of one size.
+
+    Parameters
+    ----------
+    camera : str
+        Name of the camera.
+    height, width : int
+        Pixels of its images.
+    """
     return f"streams/{folder_name(camera)}/rgb_{height}x{width}"
 
 
@@ -124,12 +132,32 @@ def home_of(manifest: Mapping[str, Any]) -> str:
 
 
 def signal_path(home: str, name: str, array: str) -> str:
-    """One of the arrays of a signal, below the folder of all numbers."""
+    """One of the arrays of a signal, below the folder of all numbers.
+
+    Parameters
+    ----------
+    home : str
+        Folder of all numbers with its ``/``, or empty, as `home_of` gives it.
+    name : str
+        Of the signal.
+    array : str
+        One of ``SIGNAL_ARRAYS``.
+    """
     return f"{home}signals/{folder_name(name)}/{array}"
 
 
 def aligned_path(home: str, name: str, array: str) -> str:
-    """One of the arrays of values at the moments of the frames."""
+    """One of the arrays of values at the moments of the frames.
+
+    Parameters
+    ----------
+    home : str
+        Folder of all numbers with its ``/``, or empty, as `home_of` gives it.
+    name : str
+        Of the signal.
+    array : str
+        One of ``ALIGNED_ARRAYS``.
+    """
     return f"{home}aligned/{folder_name(name)}/{array}"
 
 

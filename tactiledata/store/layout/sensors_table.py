@@ -45,7 +45,15 @@ def merged_facts(
 
 
 def reference_conflict(sensor: str, known: NDArray[np.uint8], stated: NDArray[np.uint8]) -> Finding | None:
-    """A finding where two pictures without contact cannot be of the same sensor."""
+    """A finding where two pictures without contact cannot be of the same sensor.
+
+    Parameters
+    ----------
+    sensor : str
+        Serial, for the message.
+    known, stated : (height, width, 3) uint8
+        The picture that the store holds, and the one that a recording brings.
+    """
     if known.shape != stated.shape:
         return _conflict(
             sensor, f"the picture without contact is {stated.shape[:2]} here and {known.shape[:2]} in the store"
@@ -69,7 +77,24 @@ def image_crc(image: NDArray[np.uint8]) -> int:
 
 
 def parse_sensors(content: bytes | None, manifest: Mapping[str, Any], where: str) -> Facts:
-    """Facts of the sensors that a manifest names, from the content of ``sensors.json``."""
+    """Facts of the sensors that a manifest names, from the content of ``sensors.json``.
+
+    Parameters
+    ----------
+    content : bytes, optional
+        Of ``sensors.json``; ``None`` where the file is not there.
+    manifest : dict
+        Names the sensors.
+    where : str
+        The file, as errors name it.
+
+    Raises
+    ------
+    NotFetched
+        The content is a Git LFS pointer.
+    StoreError
+        It is no JSON, or lacks a sensor that the manifest names.
+    """
     if not manifest["sensors"]:
         return {}
     refuse_pointer_bytes(content or b"", where)
@@ -91,6 +116,16 @@ def read_sensors(store_path: Path, manifest: Mapping[str, Any]) -> Facts:
 
 
 def write_sensors(batch: Batch, manifest: Mapping[str, Any], facts: Facts) -> dict[str, str]:
-    """Facts in their file; returns their digests for the manifest."""
+    """Facts in their file; returns their digests for the manifest.
+
+    Parameters
+    ----------
+    batch : Batch
+        Takes the file.
+    manifest : dict
+        Says where the file lies.
+    facts : dict of dict
+        Facts of all sensors of the store, by sensor.
+    """
     batch.write(sensors_path(home_of(manifest)), readable_json(facts))
     return {sensor: digest_of(values) for sensor, values in sorted(facts.items())}

@@ -56,7 +56,22 @@ def is_whole(chunk: bytes) -> bool:
 
 
 def shard_chunks(content: bytes, capacity: int, where: str) -> list[bytes]:
-    """The chunks of a shard file, in order, as far as there are any."""
+    """The chunks of a shard file, in order, as far as there are any.
+
+    Parameters
+    ----------
+    content : bytes
+        A whole shard file.
+    capacity : int
+        Frames of a shard.
+    where : str
+        The file, as the error names it.
+
+    Raises
+    ------
+    StoreError
+        Its index does not fit its CRC-32C.
+    """
     entries = parse_index(content[-index_bytes(capacity) :], capacity, where)
     return [content[offset : offset + length] for offset, length in entries if length != ABSENT]
 
@@ -77,7 +92,22 @@ def index_bytes(capacity: int) -> int:
 
 
 def parse_index(content: bytes, capacity: int, where: str) -> Entries:
-    """The entries of a shard, from the last `index_bytes` of its file."""
+    """The entries of a shard, from the last `index_bytes` of its file.
+
+    Parameters
+    ----------
+    content : bytes
+        The last `index_bytes` of a shard file.
+    capacity : int
+        Frames of a shard.
+    where : str
+        The file, as the error names it.
+
+    Raises
+    ------
+    StoreError
+        The index does not fit its CRC-32C.
+    """
     table = content[: 16 * capacity]
     if len(content) != index_bytes(capacity) or google_crc32c.value(table) != CRC.unpack_from(content, len(table))[0]:
         raise StoreError(

@@ -20,6 +20,8 @@ from tactiledata.errors import LostFile, StoreError
 
 MOST_MAPS = 256
 """Files that are mapped at once; each keeps a file descriptor, and 1024 is a usual limit."""
+MOST_ARRAYS = 256
+"""Arrays that stay open at once: opening one again takes as long as reading some thousand rows."""
 
 Span = tuple[str, int, int]
 """(path, first byte, byte after the last); a first byte below zero counts from the end, to the end."""
@@ -101,9 +103,10 @@ class LocalFiles(StoreFiles):
         self._folder = folder
         self.location = str(folder)
         self._maps: OrderedDict[str, mmap.mmap] = OrderedDict()
+        self._arrays: OrderedDict[str, tuple[tuple[int, ...], zarr.Array]] = OrderedDict()
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_maps": OrderedDict()}
+        return {**self.__dict__, "_maps": OrderedDict(), "_arrays": OrderedDict()}
 
     def _read(self, path: str) -> bytes:
         return (self._folder / path).read_bytes()
@@ -113,7 +116,15 @@ class LocalFiles(StoreFiles):
         return [self.span(*span) for span in spans]
 
     def span(self, path: str, start: int, stop: int) -> bytes:
-        """A range of a file, copied from its map."""
+        """A range of a file, copied from its map.
+
+        Parameters
+        ----------
+        path : str
+            Of the file in the store.
+        start, stop : int
+            First byte, and the byte after the last. A negative ``start`` counts from the end, without ``stop``.
+        """
         mapped = self._map(path)
         if start < 0:
             return mapped[start:]
@@ -152,8 +163,18 @@ class LocalFiles(StoreFiles):
         return (self._folder / path).exists()
 
     def array(self, path: str) -> zarr.Array:
-        """An array, to read."""
-        return _opened(LocalStore(self._folder, read_only=True), path, self)
+        """An array, to read; one that is open already is given again, unless its document was written anew."""
+        try:
+            facts = (self._folder / path / "zarr.json").stat()
+        except OSError:
+            return _opened(LocalStore(self._folder, read_only=True), path, self)  # which says what is wrong
+        document = (os.getpid(), facts.st_ino, facts.st_mtime_ns, facts.st_size)
+        known = self._arrays.get(path)
+        if known is None or known[0] != document:
+            known = self._arrays[path] = (document, _opened(LocalStore(self._folder, read_only=True), path, self))
+            if len(self._arrays) > MOST_ARRAYS:
+                self._arrays.popitem(last=False)
+        return known[1]
 
     def place(self, path: str) -> Path:
         """Return the path of a file of the store."""

@@ -41,7 +41,17 @@ Facts = Mapping[str, Any]
 
 
 def mesh_path(home: str, name: str, array: str) -> str:
-    """One of the arrays of a mesh, below the folder of all numbers."""
+    """One of the arrays of a mesh, below the folder of all numbers.
+
+    Parameters
+    ----------
+    home : str
+        Folder of all numbers with its ``/``, or empty, as `home_of` gives it.
+    name : str
+        Of the mesh.
+    array : str
+        One of ``FRAME_ARRAYS`` or ``PAD_ARRAYS``.
+    """
     return f"{home}meshes/{folder_name(name)}/{array}"
 
 
@@ -51,7 +61,17 @@ def axes_of(facts: Facts, axes: tuple[str, ...]) -> tuple[int, ...]:
 
 
 def mesh_arrays(home: str, name: str, facts: Facts) -> Iterator[tuple[str, int]]:
-    """Paths of the arrays of a mesh, with their lengths."""
+    """Paths of the arrays of a mesh, with their lengths.
+
+    Parameters
+    ----------
+    home : str
+        Folder of all numbers with its ``/``, or empty, as `home_of` gives it.
+    name : str
+        Of the mesh.
+    facts : dict
+        What the manifest says of the mesh: ``rows`` and ``sizes``.
+    """
     yield from ((mesh_path(home, name, array), facts["rows"]) for array in FRAME_ARRAYS)
     yield from ((mesh_path(home, name, array), facts["sizes"][rows]) for array, (_, rows, _) in PAD_ARRAYS.items())
 

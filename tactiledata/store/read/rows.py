@@ -78,6 +78,12 @@ class Rows:
             self._chunks.popitem(last=False)
         return rows
 
+    def lengthen(self, length: int) -> None:
+        """More rows count from now on; the array stays open, and what was read of its last chunk is read again."""
+        self.length = max(self.length, length)
+        if self._chunks:
+            self._chunks.pop(max(self._chunks))
+
     def span(self, start: int, stop: int) -> NDArray[Any]:
         """Rows [start, stop); a view where they lie in one chunk."""
         if not 0 <= start <= stop <= self.length:
@@ -109,6 +115,15 @@ class Rows:
 
 def checked_rows(rows: ArrayLike, length: int, what: str) -> NDArray[np.int64]:
     """Row numbers (n,) as integers; a mask of all rows is taken as the rows where it is true.
+
+    Parameters
+    ----------
+    rows : (n,) int, or a mask of all rows
+        The rows that are wanted, in any order.
+    length : int
+        Rows that there are.
+    what : str
+        The table or array, as the error names it.
 
     Raises
     ------

@@ -81,5 +81,13 @@ class SignalRows:
         return self._rows["value"].span(start, stop)
 
     def stamps(self, kind: Literal["log", "publish", "header"], start: int, stop: int) -> NDArray[np.int64]:
-        """Time stamps (n,) as recorded, ns; -1 where the recording has none."""
+        """Time stamps (n,) as recorded, ns; -1 where the recording has none.
+
+        Parameters
+        ----------
+        kind : "log", "publish" or "header"
+            Which clock wrote the stamps.
+        start, stop : int
+            First row, and the row after the last.
+        """
         return self._rows[f"{kind}_ns"].span(start, stop)

@@ -160,7 +160,19 @@ def _source_row(document: Mapping[str, Any], contents: Mapping[str, Any]) -> pa.
 
 
 def write_part(batch: Batch, table: str, file: str, rows: pa.Table) -> dict[str, Any]:
-    """A part of a table in its file; returns its entry for the manifest."""
+    """A part of a table in its file; returns its entry for the manifest.
+
+    Parameters
+    ----------
+    batch : Batch
+        Takes the file.
+    table : str
+        One of ``TABLES``.
+    file : str
+        Name of the part's file in the folder of the table.
+    rows : Table
+        Rows of the part; they are cast to the schema of the table.
+    """
     sink = pa.BufferOutputStream()
     pq.write_table(rows.cast(TABLE_SCHEMAS[table]), sink, compression="zstd", row_group_size=ROW_GROUP)
     content = sink.getvalue().to_pybytes()

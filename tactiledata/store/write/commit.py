@@ -173,6 +173,10 @@ def commit(store_path: Path | str, staged: Sequence[StagedTake], with_card: bool
 
     Parameters
     ----------
+    store_path : Path or str
+        Folder of the store.
+    staged : sequence of StagedTake
+        Takes that lie in the staging folder of this store.
     with_card : bool
         Whether the dataset card is brought up to date; it counts the whole store, so many commits in a row leave it to
         the last.

@@ -45,10 +45,16 @@ def append_mesh(
 
     Parameters
     ----------
+    store_path : Path or str
+        Folder of the store.
+    name : str
+        Of the mesh.
     described : dict
         ``settings``, ``statuses`` and ``kind`` of a mesh that is made.
     pads : sequence of dict
         What each of ``pad.vertices`` is of; appended where the mesh has fewer.
+    pad : PadArrays
+        The mesh itself, m; its numbering is that of the mesh that is there already.
     frames : (first, stop)
         ``first`` is where the mesh ends now.
     arrays : dict

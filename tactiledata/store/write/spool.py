@@ -227,5 +227,15 @@ def default_threads() -> int:
 
 
 def spool_name(camera: str, encoding: str, height: int, width: int) -> str:
-    """The spool file of an image: one a camera for encoded images, one a camera and size for raw ones."""
+    """The spool file of an image: one a camera for encoded images, one a camera and size for raw ones.
+
+    Parameters
+    ----------
+    camera : str
+        Name of the camera.
+    encoding : str
+        ``"raw"``, or that of encoded images.
+    height, width : int
+        Pixels; they count for raw images only.
+    """
     return f"{folder_name(camera)}.rgb_{height}x{width}" if encoding == "raw" else f"{folder_name(camera)}.spool"

@@ -129,7 +129,22 @@ def stage(store_path: Path | str, spool: Spool, take: Take, content: str | None 
 
 
 def stage_placed(store_path: Path | str, take: Take, content: str) -> StagedTake:
-    """A take whose images lie in the store already: its frames' ``offset`` and ``length`` are those of the store."""
+    """A take whose images lie in the store already: its frames' ``offset`` and ``length`` are those of the store.
+
+    Parameters
+    ----------
+    store_path : Path or str
+        Folder of the store.
+    take : Take
+        The take, whose frames' ``offset`` and ``length`` are those of the store.
+    content : str
+        Digest of what was recorded, as the table of sources keeps it.
+
+    Raises
+    ------
+    StoreError
+        The take is not whole, or the staging folder cannot be written.
+    """
     check_take(take, len(take.frames))
     folder = staging_folder(store_path, take.sha256)
     try:

@@ -19,7 +19,7 @@ from tactiledata.diagnose.residuals.wording import quantity, rounded, signed_cha
 
 @pytest.mark.slow
 def test_all_locators_together_keep_the_level():
-    """At most 5 % and three standard errors of 40 nulls are called structured."""
+    """The locators together call at most 5 % and three standard errors of 40 nulls structured."""
     alarms = [
         locate(planted(seed + 500, 24, 10), LocateOptions(seed=seed, draws=299)).is_structured for seed in range(40)
     ]
@@ -35,7 +35,7 @@ def test_echoes_are_not_said():
 
 
 def test_two_drifts_are_both_said():
-    """Where E follows speed and mu follows the clock, both drifts are said."""
+    """Both drifts are said if E follows speed and mu follows the clock."""
 
     def plant(world):
         minutes = world.covariates["minutes"].values / 90
@@ -114,7 +114,7 @@ def test_the_gate_is_one_of_the_locators():
 
 @pytest.mark.slow
 def test_progress_is_told():
-    """Every step, in order, up to the last."""
+    """Every step is told, in order, up to the last."""
     told = []
     explain(planted(9, 16, 8), LocateOptions(), progress=lambda done, total, what="": told.append((done, total)))
     assert told[-1] == (5, 5)

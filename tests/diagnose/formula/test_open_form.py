@@ -38,7 +38,7 @@ from tactiledata.diagnose.residuals.residuals import Covariate
     ],
 )
 def test_units_are_read(text, factor, exponents):
-    """Factor to SI and exponents."""
+    """A unit is read as its factor to SI and its exponents."""
     unit = find_unit(text)
     assert unit.factor == pytest.approx(factor)
     assert unit.exponents == tuple(map(float, exponents)) + (0.0, 0.0) * (len(exponents) == 5)
@@ -46,7 +46,7 @@ def test_units_are_read(text, factor, exponents):
 
 @pytest.mark.parametrize("text", ["", "furlong", "mm/", "N//m", "1e3"])
 def test_what_is_no_unit_is_none(text):
-    """Rather than a number."""
+    """What is no unit gives None rather than a number."""
     assert find_unit(text) is None
 
 
@@ -89,7 +89,7 @@ def test_only_dimensionless_numbers_are_made():
 
 
 def test_memories_are_those_of_a_loop():
-    """Running maximum and fading memory, trajectory by trajectory, written out."""
+    """Running maximum and fading memory are those of a loop that is written out, trajectory by trajectory."""
     rng = np.random.default_rng(0)
     starts = np.array([0, 5, 12])
     values, seconds = rng.normal(size=20), np.cumsum(rng.uniform(0.1, 1, 20))
@@ -124,7 +124,7 @@ def test_pursuit_agrees_with_a_plain_twin():
 
 
 def test_halves_are_complementary():
-    """Each pair parts the units in two."""
+    """Each pair of halves divides the units in two."""
     masks = halves(11, np.random.default_rng(0), 20)
     assert (masks.sum(axis=1) == 5).all()
     assert (masks[0::2] + masks[1::2]).max() == 1.0
@@ -147,7 +147,7 @@ def test_the_bound_falls_with_the_number_of_different_terms():
     ],
 )
 def test_the_planted_formula_comes_back(covariate, low, high, logarithmic, expected, coefficient):
-    """One term, the right carrier, the right coefficient within its interval or 15 %."""
+    """The formula has one term, the right carrier, and the right coefficient within its interval or 15 %."""
     world = planted(1, 60, plant=modulus_over(covariate, 0.3, low, high, logarithmic))
     found = open_form(world)
     assert [(term.carrier, term.term) for term in found.terms] == [("E", expected)]
@@ -228,7 +228,7 @@ def test_the_gap_is_what_it_says():
 
 
 def test_scatter_does_not_see_smooth_structure():
-    """Noise of 0.3 on a parabola."""
+    """The scatter of noise of 0.3 on a parabola is that of the noise."""
     rng = np.random.default_rng(0)
     values = rng.normal(0, 0.3, (5000, 2)) + (np.linspace(-5, 5, 5000) ** 2)[:, None]
     assert scatter(values, np.array([0, 2500])) == pytest.approx(0.3, rel=0.03)

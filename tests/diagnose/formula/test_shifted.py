@@ -26,7 +26,7 @@ def terms(residuals):
 @pytest.mark.slow
 @pytest.mark.parametrize("late", [0.05, 0.1])
 def test_a_contact_that_is_found_late_is_named_with_its_size(late):
-    """k(d + d0)^n observed, k d^n predicted: the depth's shift, d0 within its interval, in plain words."""
+    """Beside k d^n predicted, an observed k (d + d0)^n is named as the depth's shift, with d0 in its interval."""
     (term,) = terms(pressed(1, lambda depth, speed: 8.0 * np.maximum(depth + late, 0) ** 1.5))
     assert (term.carrier, term.term) == ("fz over depth", "1")
     assert abs(term.coefficient - late) < max(term.half_width, 0.2 * abs(late))
@@ -54,7 +54,7 @@ def test_a_contact_that_is_found_early_is_named_without_an_interval():
     ],
 )
 def test_other_differences_are_no_shift(observe):
-    """Noise, a calibration, a rate, a spring that stiffens."""
+    """Noise, a calibration, a rate and a spring that stiffens are no shift of the depth."""
     assert not [term for term in terms(pressed(2, observe)) if term.carrier == "fz over depth"]
 
 

@@ -44,7 +44,7 @@ def test_all_keep_their_p_where_errors_are_not_known(world):
 
 
 def test_no_p_falls_and_errors_as_large_as_the_finding_raise_it(world):
-    """Nothing is as certain as before where the simulation may be off by as much."""
+    """Small errors of the simulation make no finding more certain, and very large ones make p = 1."""
     for found in findings(world).values():
         before = min(one.p for one in found)
         assert min(one.p for one in beyond_errors(found, EXACT)) >= before
@@ -72,7 +72,7 @@ def test_the_share_and_not_the_unit_of_a_parameter_counts(world):
 
 
 def test_locate_tells_no_error_of_the_simulation(world):
-    """The same drift is news, or none."""
+    """A drift is certain beside an exact simulation, and none beside one that may be off by as much."""
     noise = NoiseModel(0.5)
     exact, wide = (
         locate(world, LocateOptions(noise=noise, draws=499, is_fitted=True, errors=errors)) for errors in (EXACT, WIDE)

@@ -136,7 +136,7 @@ def test_instruments_are_silent_before_contact():
 
 @pytest.mark.parametrize("error", [0.0, 0.3, 2.0])
 def test_scatter_beyond_noise_is_found_again(error):
-    """Sizes of known variances and one error on top."""
+    """One error on top of known variances is found again from sizes."""
     rng = np.random.default_rng(5)
     variances = rng.uniform(0.01, 1.0, 4000)
     sizes = rng.normal(0.0, np.sqrt(variances + error**2))

@@ -65,7 +65,7 @@ def test_scatter_that_is_slow_is_no_structure():
 
 
 def test_same_seed_same_answer():
-    """Bit for bit."""
+    """The same seed gives the same answer bit for bit."""
     projection = project(plain(4))
     assert gate(projection, NoiseModel(0.3), 5, 49) == gate(projection, NoiseModel(0.3), 5, 49)
 

@@ -25,7 +25,7 @@ def rate_of(smallest, level=0.05):
 
 
 def is_level(rate, level=0.05):
-    """Not above the level by more than three standard errors of `NULLS` draws."""
+    """Whether a share of `NULLS` draws is above the level by no more than three standard errors."""
     return rate <= level + 3.0 * np.sqrt(level * (1 - level) / NULLS)
 
 
@@ -85,7 +85,7 @@ def test_what_an_event_brings_is_found_at_it(plant, event, component):
     ("plant", "event", "component"), [(decay_in_dwell, "dwell start", "fz"), (drop_at_slip, "slip onset", "fx")]
 )
 def test_events_compete_for_what_a_calibration_has_left(plant, event, component):
-    """With E, mu and each trajectory's offset free, the event at which it began is told in nine of ten worlds."""
+    """The event at which a drift began is told in nine of ten worlds, with E, mu and each trajectory's offset free."""
     hits = 0
     for seed in range(10):
         world = planted(seed, 60, plant=plant)
@@ -95,7 +95,7 @@ def test_events_compete_for_what_a_calibration_has_left(plant, event, component)
 
 
 def test_departure_false_alarms(nulls):
-    """5 % over all events, components and shapes."""
+    """False alarms stay at 5 % over all events, components and shapes."""
     smallest = [
         event_effects(projection, find_events(world), seed, 199)[0].p
         for seed, (world, projection) in enumerate(nulls[:100])
@@ -122,7 +122,7 @@ def test_what_goes_with_the_slide_shows_though_trajectories_slide_to_all_sides()
 
 
 def test_event_locked_false_alarms(nulls):
-    """5 % over all events and components."""
+    """False alarms stay at 5 % over all events and components."""
     smallest = [
         min(one.p for one in event_locked(world.with_values(projection.left), find_events(world), seed=seed, draws=199))
         for seed, (world, projection) in enumerate(nulls)
@@ -144,7 +144,7 @@ def test_event_means_are_those_of_a_loop():
 
 
 def test_a_step_between_trajectories_is_found_where_it_is():
-    """E 30 % lower from trajectory 30 on: one step, there, with its size."""
+    """E that is 30 % lower from trajectory 30 on gives one step, there, with its size."""
 
     def plant(world):
         return -world.slopes[:, :, 0] * (0.3 * MODULUS * (world.trajectory >= 30))[:, None]
@@ -182,7 +182,7 @@ def test_a_step_at_a_change_of_label_says_so():
 
 
 def test_step_false_alarms(nulls):
-    """5 % over all parameters."""
+    """False alarms stay at 5 % over all parameters."""
     found = [change_points(projection, seed=seed, draws=199) for seed, (_, projection) in enumerate(nulls)]
     assert is_level(np.mean([bool(steps) for steps in found]))
 
@@ -218,7 +218,7 @@ def test_a_soft_corner_shows_on_the_map():
 
 @pytest.mark.slow
 def test_map_false_alarms(nulls):
-    """5 % over all parameters and places."""
+    """False alarms stay at 5 % over all parameters and places."""
     smallest = [
         min(one.p for one in region_maps(projection, seed=seed, draws=199))
         for seed, (_, projection) in enumerate(nulls)
@@ -306,12 +306,12 @@ def test_structure_in_free_air_is_said_first():
 
 @pytest.mark.slow
 def test_free_air_false_alarms(nulls):
-    """5 %."""
+    """False alarms stay at 5 %."""
     assert is_level(rate_of([free_air(world, seed, draws=199).p for seed, (world, _) in enumerate(nulls[:100])]))
 
 
 def test_no_free_air_is_said():
-    """Where no frame is in free air nothing is tested, and the words say what follows from that."""
+    """Nothing is tested if no frame is in free air, and the words say what follows from that."""
     world = planted()
     bare = type(world)(world.values, world.components, world.groups)
     found = free_air(bare)
@@ -328,7 +328,7 @@ def test_a_common_offset_is_a_calibration():
 
 
 def test_offset_false_alarms(nulls):
-    """5 % over all parameters."""
+    """False alarms stay at 5 % over all parameters."""
     smallest = [offsets(world, seed, draws=199)[0].p for seed, (world, _) in enumerate(nulls)]
     assert is_level(rate_of(smallest))
 

@@ -92,7 +92,7 @@ def test_a_planted_factor_is_told_and_no_factor_is_not():
 
 
 def test_the_list_is_of_the_errors_of_the_fit():
-    """Share, deviations and words of each, in the order of the fields."""
+    """The list has share, deviations and words of each error, in the order of the fields."""
     _, white, fit, _ = blamed(1.0 + FACTOR)
     found = simulator_share(white, fit)
     assert [one.what for one in found] == [error.label for error in white.simulation_errors]

@@ -10,6 +10,8 @@ from touch_worlds import START
 from tactiledata.diagnose.naming.error_sizes import (
     LARGEST,
     SMALLEST,
+    _groups,
+    _size_cost,
     size_penalty,
     smallest_ratio,
     with_errors_of,
@@ -24,10 +26,13 @@ FACTOR = 2.0
 
 
 def estimated(sizes, seed=0):
-    """Sizes by family that planted errors give."""
+    """Typical size by family, over all indenters, that planted errors give."""
     white = planted_errors(sizes, seed)
     found = with_estimated_sizes(white, plain_fit(white, START))
-    return {family: found.errors.size(family) for family in FAMILIES}
+    of_family = {
+        family: [size for group, size in found.errors.sizes.items() if group[0] == family] for family in FAMILIES
+    }
+    return {family: float(np.exp(np.log(sizes).mean())) for family, sizes in of_family.items()}
 
 
 @pytest.mark.parametrize("family", FAMILIES)
@@ -36,7 +41,7 @@ def test_planted_errors_are_found_in_their_family(family, seed):
     """Errors three times the usual are found within a factor; the other families, which have none, stay small."""
     found = estimated({family: PLANTED}, seed)
     assert PLANTED / FACTOR < found[family] < PLANTED * FACTOR
-    assert all(found[other] < 0.8 for other in FAMILIES if other != family)
+    assert all(found[other] < 0.85 for other in FAMILIES if other != family)
 
 
 def test_noise_alone_asks_for_the_smallest_errors():
@@ -69,14 +74,13 @@ def test_other_sizes_than_the_best_cost_likelihood(resized):
     white, fit, best = resized
     assert size_penalty(white, fit, white) == 0.0
     assert size_penalty(white, fit, best) == 0.0
-    worse = dataclasses.replace(
-        white, errors=white.errors.with_sizes({**dict.fromkeys(FAMILIES, 1.0), FAMILIES[0]: 0.6})
-    )
+    smaller = {group: 0.6 if group[0] == FAMILIES[0] else 1.0 for group in best.errors.sizes}
+    worse = dataclasses.replace(white, errors=white.errors.with_sizes(smaller))
     assert size_penalty(white, fit, worse) > 1.0
 
 
 def test_errors_are_the_same_wrenches_after_their_sizes_changed(resized):
-    """Fewer deviations of a larger size, more of a smaller one."""
+    """The same wrenches are fewer deviations of a larger size, and more of a smaller one."""
     white, fit, best = resized
     model = with_errors_of(fit.model, white, best)
     before, after = (
@@ -89,8 +93,33 @@ def test_errors_are_the_same_wrenches_after_their_sizes_changed(resized):
 
 
 def test_the_smallest_ratio_is_that_of_the_size_that_fell_most(resized):
-    """Where all sizes were 1 the ratio is the smallest size; the other way round it is one over the largest."""
+    """The ratio of sizes that all were 1 is the smallest size; the other way round it is one over the largest."""
     white, _, best = resized
-    sizes = [best.errors.size(family) for family in FAMILIES]
-    assert smallest_ratio(white, best) == pytest.approx(min(sizes))
-    assert smallest_ratio(best, white) == pytest.approx(1.0 / max(sizes))
+    sizes = best.errors.sizes.values()
+    assert smallest_ratio(white, best) == pytest.approx(min(1.0, *sizes))
+    assert smallest_ratio(best, white) == pytest.approx(min(1.0, 1.0 / max(sizes)))
+    touched = dataclasses.replace(white, own=white.own.with_sizes({white.indenter_names[0]: 4.0}))
+    assert smallest_ratio(touched, white) == pytest.approx(0.25)
+
+
+def test_errors_of_one_indenter_are_found_under_it_alone():
+    """Forces that are wrong under one ball make its size large, and leave those of the other balls near the usual."""
+    name = planted_errors({}).indenter_names[1]
+    white = planted_errors({FAMILIES[0]: 4.0}, 2, only=name)
+    found = with_estimated_sizes(white, plain_fit(white, START)).errors
+    others = [found.size(FAMILIES[0], other) for other in white.indenter_names if other != name]
+    assert found.size(FAMILIES[0], name) > 2.0 * max(others)
+
+
+def test_the_gradient_of_the_sizes_is_that_of_differences(resized):
+    """The gradient that the search for sizes uses is what small changes of each logarithm give."""
+    white, fit, _ = resized
+    cost = _size_cost(white, fit)
+    at = np.linspace(-0.4, 0.8, len(_groups(white)))
+    value, gradient = cost(at)
+    for number in range(len(at)):
+        step = np.zeros(len(at))
+        step[number] = 1e-5
+        difference = (cost(at + step)[0] - cost(at - step)[0]) / 2e-5
+        assert gradient[number] == pytest.approx(difference, rel=1e-3, abs=1e-3)
+    assert np.isfinite(value)

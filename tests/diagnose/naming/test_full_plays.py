@@ -42,7 +42,12 @@ def run(answers):
         asked.append(full)
         return Touches(full)
 
-    played, found, closer = named_with_full_plays(play, lambda _: answers[min(len(asked), len(answers)) - 1], T)
+    told = []
+    played, found, closer = named_with_full_plays(
+        play, lambda _: answers[min(len(asked), len(answers)) - 1], T, told.append
+    )
+    # the first answer is told once, if and only if it is not the last one
+    assert told == (answers[:1] if len(asked) > 1 else [])
     return asked, played, found, closer
 
 

@@ -38,7 +38,7 @@ def test_what_is_far_behind_is_left(fitting):
 
 
 def test_the_wrong_effect_is_as_far_behind_whether_it_is_left_or_not(fitting):
-    """A yielding arm instead of the relaxing gel."""
+    """A yielding arm in place of the relaxing gel is as far behind, whether it is left or not."""
     wrong = effect("arm_compliance", translation=1e-5)
     best, _ = fitting(effect("relaxation", share=0.1, time=0.5))
     whole, _ = fitting(wrong)
@@ -47,7 +47,7 @@ def test_the_wrong_effect_is_as_far_behind_whether_it_is_left_or_not(fitting):
 
 
 def test_what_is_near_or_may_come_near_is_led_to_its_end(fitting):
-    """Also where a round stalls on the way."""
+    """A fit that is near, or may come near, is led to its end, also if a round stalls on the way."""
     start = effect("relaxation", share=0.1, time=0.5)
     whole, many = fitting(start)
     again, rounds = fitting(start, to_beat=whole.cost)

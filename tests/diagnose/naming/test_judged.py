@@ -116,7 +116,7 @@ def test_evidence_that_errors_of_the_simulation_can_bring_takes_no_claim_away():
 
 
 def test_an_effect_that_errors_resemble_must_be_more_of_the_cause():
-    """With a share between the two limits, an effect that errors do not resemble is named, and the other is not."""
+    """An effect with a share between the two limits is named only if no error resembles it."""
     share = 0.5 * (T.part_share + T.main_cause_share)
     assert decided([candidate(EASY, excess_share=share)], left=MORE_THAN_NOISE).claimed == (EASY,)
     assert decided([candidate(HARD, excess_share=share)], left=MORE_THAN_NOISE).claimed == ()
@@ -311,7 +311,7 @@ def test_what_would_not_be_claimed_is_said_with_the_size_that_would():
 
 @pytest.mark.parametrize("name", [EASY, HARD])
 def test_what_can_be_seen_brings_the_evidence_of_a_claim(name):
-    """Half the square of the signal, saturated, less a typical price; more trajectories bring less each."""
+    """It is half the square of the signal, saturated, less a typical price; more trajectories bring less each."""
     for count in (10, 1000):
         expected = T.counted(count) * T.visible(name, count) ** 2 / 2 - TYPICAL_OCCAM
         assert expected == pytest.approx(T.claim(name))
@@ -335,7 +335,7 @@ def test_what_cannot_be_played_is_no_candidate(monkeypatch):
     def unbalanced(*_, **options):
         raise UsageError("no balance", "stiffer springs", "Lessen the compliances.")
 
-    monkeypatch.setattr("tactiledata.diagnose.naming.refit.joint_fit", unbalanced)
+    monkeypatch.setattr("tactiledata.diagnose.naming.joint_fit.joint_fit", unbalanced)
     plain = SimpleNamespace(model=joint_model(GelMaterial(9e5, 0.475, 0.7), [], 1, 0))
     white = SimpleNamespace(starts=[0], simulation_error_fields=lambda *of: np.zeros((1, 6, 0)))
     fits = Refits(white, plain, NamingOptions(), lambda text: None)

@@ -15,7 +15,6 @@ from tactiledata.diagnose.naming.name_effects import name_effects
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.naming.parameters import joint_model
 from tactiledata.diagnose.naming.signatures import effect_signatures, nuisance
-from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
 from tactiledata.diagnose.touches.simulation_errors import NumericalErrors
 from tactiledata.diagnose.touches.touch_case import TouchSet
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
@@ -67,10 +66,11 @@ def test_one_odd_touch_takes_no_name_away():
     lost = cases.touches[6].measured * [0.2, 0.2, 1.0, 1.0, 1.0, 1.0]
     listed = [*cases.touches[:6], dataclasses.replace(cases.touches[6], measured=lost), *cases.touches[7:]]
     found = answer(TouchSet(listed, base), ("relaxation", "lag"), pairs=False)
-    left = found.naming.decision.left
-    assert left.dispersion > DEFAULT_THRESHOLDS.structure_dispersion
     assert found.names == ("relaxation",)
-    assert any("nearly all in D-6" in sentence for sentence in found.sentences)
+    (odd,) = found.naming.odd
+    assert (odd.name, odd.unknown) == ("D-6", "factor on shear")
+    assert odd.factor < 0.6
+    assert any(sentence.startswith("Look at D-6: the factor on shear") for sentence in found.sentences)
 
 
 def test_a_preview_is_taken_to_err_more():
@@ -181,6 +181,6 @@ def test_planted_effects_are_named_or_in_the_set(name):
 
 
 def test_nulls_are_seldom_named():
-    """At most one of 20 nulls is given a name."""
+    """A name is given to at most one of 20 nulls."""
     named = [seed for seed in range(20) if answer(null(2000 + seed), effects=None).is_missing]
     assert len(named) <= 1

@@ -54,7 +54,7 @@ def test_offsets_cross_first_contact(shifted):
 
 
 def test_a_fit_from_no_offsets_ends_no_worse_than_one_from_the_truth(shifted):
-    """Up to the fall of the cost at which a fit ends; the offsets that it finds are those of the world.
+    """Its cost is higher by no more than the fall at which a fit ends, and its offsets are those of the world.
 
     Within half a standard deviation of their prior, which draws them towards 0.
     """

@@ -29,7 +29,7 @@ pytestmark = pytest.mark.slow
 
 
 def proposals(cases, starts, both_ways=True, trials=TRIALS):
-    """For explanations fitted from starts, the first of them true."""
+    """Proposals for explanations fitted from starts, the first of them true."""
     members = tuple(
         Rival(start[0] if start else NOTHING, fit) for start, fit in zip(starts, fitted(cases, starts), strict=True)
     )

@@ -57,7 +57,7 @@ def test_forces_and_places_stay_within_the_limits(make, material):
 
 
 def test_the_same_bench_gives_the_same_trials():
-    """Nothing is drawn."""
+    """The trials of a bench are the same every time, as nothing is drawn."""
     again = TrialBench.of(recorded(), START)
     assert [make(BENCH) for make in TRIALS] == [make(again) for make in TRIALS]
 

@@ -60,7 +60,7 @@ def test_frames_as_units_would_cry_wolf():
 
 
 def test_intervals_cover():
-    """At least 88 % of 150 intervals of 95 % hold the planted change."""
+    """Of 150 intervals of 95 %, at least 88 % hold the planted change."""
     share, held = 0.1, 0
     for seed in range(150):
         world = planted(seed, 30, 10, plant=modulus_over("x", share, -6, 6))
@@ -120,7 +120,7 @@ def test_scores_agree_with_a_dense_twin():
 
 
 def test_statistics_agree_with_refits_written_out():
-    """With signs thrown anew, all parameters and the alternative are fitted to the flipped residuals.
+    """The statistics are those of refits with signs thrown anew: all parameters and the alternative are fitted.
 
     The standard error is the sandwich of that fit's scores.
     """
@@ -199,7 +199,7 @@ def test_indenters_that_were_mounted_one_after_the_other_are_named():
 
 
 def test_a_zero_that_drifts_is_no_modulus_that_does():
-    """With the zeros as parameters the zero of fz is named, by its size in newtons."""
+    """A zero of fz that drifts is named by its size in newtons, and no modulus is."""
     world = with_zeros(planted(4, 60, own=False))
     minutes = world.covariates["minutes"].values
     drifting = world.values + np.column_stack([0 * minutes, 0 * minutes, 3.0 * minutes / 90])
@@ -247,7 +247,7 @@ def test_signs_are_fair():
 
 
 def test_a_slope_spans_the_quantiles():
-    """0 at the 5 % quantile, 1 at the 95 % quantile, on a logarithm where the covariate spans decades."""
+    """A slope is 0 at the 5 % quantile and 1 at the 95 % quantile, on a logarithm if the covariate spans decades."""
     values = 10 ** np.linspace(-2, 2, 1001)
     instrument, low, high = slope(values, np.ones(1001))
     np.testing.assert_allclose([low, high], [10**-1.8, 10**1.8], rtol=0.02)

@@ -27,7 +27,7 @@ def test_the_ceiling_is_high_where_structure_is():
 
 @pytest.mark.slow
 def test_the_ceiling_is_deterministic():
-    """The same seed, the same trees."""
+    """The same seed gives the same trees."""
     projection = project(planted(2, 16, 8))
     np.testing.assert_array_equal(black_box(projection, 1).predicted, black_box(projection, 1).predicted)
 

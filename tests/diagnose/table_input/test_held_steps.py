@@ -25,7 +25,7 @@ def terms(**planted):
 
 @pytest.mark.parametrize("law", LAWS)
 def test_a_creep_after_each_step_is_named_with_its_rate(law):
-    """0.1 N/min in 11 groups, five tables a law: one term, in plain words, off by at most two half widths."""
+    """A creep of 0.1 N/min in 11 groups gives one term, in plain words, off by at most two half widths."""
     for seed in range(5):
         (term,) = terms(seed=seed, law=law, creep=0.1)
         assert re.match(r"fz creeps by \(0\.\d+ ± 0\.0\d+ N/min\) after each step of load, chosen", term.words)
@@ -40,7 +40,7 @@ def test_intervals_hold_the_rate_of_creep():
 
 
 def test_a_creep_downwards_has_its_sign():
-    """-0.1 N/min."""
+    """A creep of -0.1 N/min has its sign."""
     (term,) = terms(creep=-0.1)
     assert term.words.startswith("fz creeps by -(0.1")
     assert term.coefficient == pytest.approx(-0.1, abs=0.015)
@@ -65,7 +65,7 @@ def test_a_drift_of_the_whole_recording_is_no_creep(law):
 
 @pytest.mark.parametrize("law", LAWS)
 def test_what_relaxes_to_an_end_is_no_creep(law):
-    """After each step by 0.3 N with 20 s: an exponential; by a tenth of the load with 10 s: a memory of it."""
+    """An exponential of 0.3 N with 20 s, or of a tenth of the load with 10 s, is no creep."""
     (end, *_) = terms(seed=2, law=law, relaxes=0.3)
     assert end.term == f"exp(-{SINCE}/(30 s))"
     (memory, *_) = terms(seed=2, law=law, remembers=0.1)
@@ -83,7 +83,7 @@ def test_a_slow_relaxation_is_told_from_a_creep():
 
 
 def test_a_load_that_is_taken_off_need_not_creep_back():
-    """Where nothing creeps in the holds at 0, the words restrict the creep to loads that are not 0."""
+    """The words restrict the creep to loads that are not 0 if nothing creeps in the holds at 0."""
     table = held_loads(3, creep=0.1)
     is_off = (table.load_N > 1.0) & (table.load_N < 6.5)
     table.loc[is_off, "fz_observed_N"] = table.fz_predicted_N + np.random.default_rng(0).normal(0, 0.05, len(table))
@@ -151,7 +151,7 @@ HELD = np.repeat([2.0, 5.0, 3.0], 30)
     ],
 )
 def test_what_is_not_held_or_not_timed_has_no_time_since_a_step(values, unit, time):
-    """No time, a time without unit, a length as time, a half sine, a ramp, noise, a constant."""
+    """Loads that are not held, and times that are missing, without unit or lengths, give no time since a step."""
     assert offered(values, unit, time) == {}
 
 

@@ -53,7 +53,7 @@ def diagnosed(capsys, monkeypatch, *arguments):
 
 @pytest.mark.slow
 def test_a_store_is_diagnosed_from_end_to_end(store, tmp_path, capsys, monkeypatch):
-    """Sentences, page and document; the same bytes again; the gate."""
+    """A store gives sentences, a page and a document, the same bytes again, and the gate's exit code."""
     pytest.importorskip("matplotlib")
     given = (store, "--fidelity", "linear", "--effects", "lag,relaxation,thickness,clipping", "--no-pairs")
     code, printed, _ = diagnosed(capsys, monkeypatch, *given, "--out", tmp_path / "first")

@@ -59,7 +59,7 @@ def use(first=FIRST, second=SECOND, estimated=((False, True), None)):
 
 
 def test_the_lost_share_is_that_of_the_squared_forces():
-    """Of 64 N^2 measured in six frames, the two lost frames hold 25 N^2, one of them without a wrench."""
+    """Of 64 N^2 measured in six frames, the two lost frames hold 25 N^2; one of them has no wrench."""
     found = use()
     assert found.lost == 2
     assert found.force_lost == pytest.approx(25 / 64)

@@ -32,7 +32,7 @@ def press(depths=DEPTHS, stiffness=1.0, exponent=1.5, friction=0.5, centre=0.0, 
 
 
 def other(depths=DEPTHS):
-    """The same touch of another gel: stiffer the deeper it is pressed, with more friction and another centre."""
+    """The same touch of a gel that is stiffer the deeper it is pressed, with more friction and another centre."""
     return press(depths, 1.2, 1.6, 0.6, 1e-4, 1.1)
 
 
@@ -91,7 +91,7 @@ def test_a_factor_that_is_the_same_at_all_loads_is_exact():
 
 
 def test_without_shear_none_is_made_up():
-    """Where the middle play has none to speak of, there is no factor of shear; that of the load stands for it."""
+    """A middle play without shear gives no factor of shear; that of the load stands for it."""
     truth, middle = press(stiffness=1.2, friction=1e-3), press(friction=1e-3)
     found = one(without(truth, [10, 20]), middle)
     assert np.isfinite(found.wrench).all()
@@ -120,7 +120,7 @@ def test_no_contact_stays_no_contact():
 
 
 def test_plays_without_a_gap_are_returned_as_they_are():
-    """Also beside another touch that has one; the plays that were given are never changed."""
+    """Plays without a gap are returned as they are, also beside another touch that has one, and are never changed."""
     whole, broken, middle = other(), without(other(), [10]), press()
     assert one(whole, middle) is whole
     first, second = complete([whole, broken], [middle, middle], [-DEPTHS, -DEPTHS])

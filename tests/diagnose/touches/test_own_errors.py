@@ -30,7 +30,8 @@ def case(free_air=(False, False), forces=FORCES, seconds=(10.0, 12.0)):
 
 def fields(**changed):
     """Fields by their names: (2, 6) each."""
-    found = ERRORS.fields(case(**changed))
+    one = case(**changed)
+    found = ERRORS.fields(one, one.measured)
     return dict(zip(ERRORS.names(), np.moveaxis(found, 2, 0), strict=True))
 
 
@@ -41,10 +42,10 @@ def at(places, forces):
 
 def test_names_and_fields_agree_in_number():
     """One name a field, and no name twice."""
-    names = ERRORS.names()
-    assert ERRORS.fields(case()).shape == (2, 6, len(names))
+    names, one = ERRORS.names(), case()
+    assert ERRORS.fields(one, one.measured).shape == (2, 6, len(names))
     assert len(set(names)) == len(names)
-    assert OwnErrors().fields(case()).shape == (2, 6, len(OwnErrors().names()))
+    assert OwnErrors().fields(one, one.measured).shape == (2, 6, len(OwnErrors().names()))
 
 
 def test_the_zero_is_the_same_in_all_frames_and_as_uncertain_as_its_median():
@@ -72,7 +73,8 @@ def test_the_drift_grows_evenly_with_time():
     poses = np.tile(np.eye(4), (3, 1, 1))
     touch = Touch(np.array([5.0, 6.0, 9.0]), poses, Sphere(), GelMaterial(9e5, 0.47, 0.7), DIGIT.gel)
     air = np.ones(3, dtype=bool)
-    found = ERRORS.fields(TouchCase(touch, np.zeros((3, 6)), WrenchNoise(COVARIANCE, 1.0, "planted"), air, 50.0))
+    one = TouchCase(touch, np.zeros((3, 6)), WrenchNoise(COVARIANCE, 1.0, "planted"), air, 50.0)
+    found = ERRORS.fields(one, one.measured)
     of_fz = found[:, :, ERRORS.names().index("drift of the zero of fz")]
     assert of_fz[:, 2] == pytest.approx([0.0, 0.3 / 4, 0.3])
 
@@ -88,7 +90,7 @@ def test_a_place_that_is_shifted_turns_the_force(name, way):
 
 
 def test_factors_are_shares_of_the_forces():
-    """A factor on all forces, and one on the shear with its torques about the gel's origin."""
+    """One factor acts on all forces, and one on the shear with its torques about the gel's origin."""
     np.testing.assert_allclose(fields()["factor on forces"], 0.1 * at(TIPS, FORCES))
     along = FORCES * [1.0, 1.0, 0.0]
     np.testing.assert_allclose(fields()["factor on shear"], 0.2 * at(TIPS, along), atol=1e-15)
@@ -114,6 +116,26 @@ def test_an_unknown_wrench_changes_nothing_that_is_not_of_the_sensor():
     """A frame without a wrench has no force that could be scaled."""
     lost = case()
     lost.measured[1] = np.nan
-    found = ERRORS.fields(lost)
+    found = ERRORS.fields(lost, lost.measured)
     assert np.isfinite(found).all()
     assert not found[1][:, ERRORS.names().index("factor on forces")].any()
+
+
+def test_factors_multiply_the_wrenches_that_are_given():
+    """They are shares of the simulated wrenches where these are given, whatever was measured."""
+    one = case()
+    found = ERRORS.fields(one, 3.0 * one.measured)
+    np.testing.assert_allclose(found[:, :, ERRORS.names().index("factor on forces")], 0.1 * 3.0 * at(TIPS, FORCES))
+
+
+def test_a_size_multiplies_the_factors_of_its_indenter_alone():
+    """The factors on forces and on shear are larger under that indenter; other unknowns and indenters are as before."""
+    one = case()
+    name = one.indenter
+    before = ERRORS.fields(one, one.measured)
+    of_it = ERRORS.with_sizes({name: 2.5}).fields(one, one.measured)
+    of_another = ERRORS.with_sizes({f"not {name}": 2.5}).fields(one, one.measured)
+    for number, unknown in enumerate(ERRORS.names()):
+        factor = 2.5 if unknown in ("factor on forces", "factor on shear") else 1.0
+        np.testing.assert_allclose(of_it[:, :, number], factor * before[:, :, number], atol=1e-15)
+    np.testing.assert_array_equal(of_another, before)

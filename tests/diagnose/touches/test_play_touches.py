@@ -127,7 +127,7 @@ def at_finite_strain(tmp_path_factory):
 
 
 def test_estimated_plays_are_near_full_ones(at_finite_strain):
-    """Forces within 1 % of the largest one at every node, slopes over the offset within 10 % of the largest slope."""
+    """Forces are within 1 % of the largest one at every node, and slopes over the offset within 10 %."""
     _, (all_played, estimated, _) = at_finite_strain
     for full, quick in zip(all_played, estimated, strict=True):
         force = full.level[..., :3]

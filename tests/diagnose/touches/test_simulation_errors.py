@@ -4,11 +4,8 @@ import numpy as np
 import pytest
 
 from tactiledata.diagnose.touches.simulation_errors import (
-    CENTRE,
     FAMILIES,
     KINDS,
-    NORMAL,
-    SHEAR,
     NumericalErrors,
     error_list,
     error_wrenches,
@@ -124,7 +121,7 @@ def two_indenters():
 
 
 def test_errors_of_an_indenter_act_on_its_frames_only():
-    """Those in common act on the frames of both."""
+    """Errors of an indenter act on its frames only, and errors in common act on all frames."""
     found, listed, owner = two_indenters()
     for number, error in enumerate(listed):
         acts = np.array([found[owner == which, :, number].any() for which in (0, 1)])
@@ -179,13 +176,16 @@ def test_free_air_has_no_error():
     assert not fields(np.zeros((3, 3))).any()
 
 
+@pytest.mark.parametrize("indenter", ["ball", ""])
 @pytest.mark.parametrize("family", FAMILIES)
-def test_a_size_multiplies_the_errors_of_its_family(family):
-    """And of no other."""
-    sizes = {NORMAL: 1.0, SHEAR: 1.0, CENTRE: 1.0, family: 2.5}
-    larger, before = fields(errors=ERRORS.with_sizes(sizes)), fields()
-    for number, error in enumerate(error_list(ERRORS, ("ball",))):
-        factor = 2.5 if error.family == family else 1.0
+def test_a_size_multiplies_the_errors_of_its_family_and_indenter(family, indenter):
+    """It multiplies no other error: neither of another family, nor of another indenter, nor one that all share."""
+    sized = ERRORS.with_sizes({(family, indenter): 2.5})
+    larger, before = fields(errors=sized), fields()
+    listed = error_list(ERRORS, ("ball",))
+    assert any(error.family == family for error in listed)
+    for number, error in enumerate(listed):
+        factor = 2.5 if (error.family, error.indenter) == (family, indenter) else 1.0
         np.testing.assert_allclose(larger[:, :, number], factor * before[:, :, number], atol=1e-15)
-        (scaled,) = error_list(ERRORS.with_sizes(sizes), ("ball",))[number : number + 1]
+        (scaled,) = error_list(sized, ("ball",))[number : number + 1]
         assert scaled.deviation == pytest.approx(factor * error.deviation)

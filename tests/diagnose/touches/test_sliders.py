@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from few_examples import few
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tactiledata.diagnose.touches.friction_history import PARTS, Sliders, own_sliders
@@ -20,7 +21,7 @@ def pulled(sliders, way, limit=LIMIT):
 
 @pytest.mark.parametrize("spread", [0.0, 0.3, 1.0])
 def test_the_knee_is_a_parabola(spread):
-    """Limits spread evenly over u (1 - s) to u (1 + s): P = k (u - (u (1 + s) - x)^2 / (4 s u)) there, k u beyond."""
+    """Limits spread evenly over u (1 - s) to u (1 + s) give P = k (u - (u (1 + s) - x)^2 / (4 s u)), and k u beyond."""
     way = np.linspace(0.0, 1.2e-3, FRAMES)
     slides = LIMIT[0] / SPRING[0]
     wanted = np.minimum(way, slides)
@@ -32,10 +33,10 @@ def test_the_knee_is_a_parabola(spread):
     np.testing.assert_allclose(found, SPRING[0] * wanted, atol=LIMIT[0] * (1e-9 if not spread else 1 / PARTS**2))
 
 
-@settings(max_examples=30, deadline=None)
+@few(30)
 @given(st.floats(0.0, 1.0), st.floats(0.5, 2.0), st.floats(1e-4, 1e-3))
 def test_the_way_back_is_twice_the_way_there(spread, factor, turn):
-    """Masing's rule: P(turn) - P(x) = 2 P0((turn - x) / 2)."""
+    """Masing's rule P(turn) - P(x) = 2 P0((turn - x) / 2) holds."""
     there = np.linspace(0.0, turn, 101)
     back = np.linspace(turn, -turn, 101)[1:]
     sliders = Sliders(factor, spread)
@@ -44,7 +45,7 @@ def test_the_way_back_is_twice_the_way_there(spread, factor, turn):
     np.testing.assert_allclose(found[100] - found[101:], 2 * np.interp((turn - back) / 2, there, first), atol=2e-3)
 
 
-@settings(max_examples=30, deadline=None)
+@few(30)
 @given(st.floats(0.0, 1.0), st.floats(0, 2 * np.pi), st.integers(0, 10_000))
 def test_pull_is_within_the_limit_and_turns_with_the_path(spread, angle, seed):
     rng = np.random.default_rng(seed)

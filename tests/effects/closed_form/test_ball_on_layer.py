@@ -69,7 +69,7 @@ def test_a_dome_lies_lower_and_is_a_second_ball(still):
 
 
 def test_yeohs_terms_grow_with_the_strain(still):
-    """2 C20 (I - 3) and 3 C30 (I - 3)^2 beside C10, I - 3 three times the square of 0.2 a / R + d / (3 h)."""
+    """The terms are 2 C20 (I - 3) and 3 C30 (I - 3)^2 beside C10, with I - 3 = 3 (0.2 a / R + d / (3 h))^2."""
     plain = dimitriadis(DEPTH, still.geometry.thickness)
     invariant = 3 * (0.2 * np.sqrt(DEPTH / R) + DEPTH / (3 * still.geometry.thickness)) ** 2
     assert pressed(still, GelVariant(c20=0.2)) == pytest.approx(plain * (1 + 0.4 * invariant), rel=1e-12)

@@ -144,7 +144,7 @@ def test_where_a_body_ends_its_tip_is_what_is_left_of_it():
 
 @pytest.mark.parametrize("depth", [-1.4e-5, 0.0, 1e-5, 5e-4, 2e-3])
 def test_jkr_is_exact(depth):
-    """To double precision: with the radius of the contact that gives the depth, found by bisection."""
+    """The pull is that of JKR to double precision, with the contact radius that gives the depth, found by bisection."""
     pull = np.sqrt(2 * np.pi * WORK / MODULUS)
     a = brentq(lambda a: a**2 / RADIUS - pull * np.sqrt(a) - depth, (RADIUS * pull / 4) ** (2 / 3), 0.05, xtol=1e-18)
     wanted = 4 * MODULUS * a**3 / (3 * RADIUS) - np.sqrt(8 * np.pi * WORK * MODULUS * a**3)
@@ -152,7 +152,7 @@ def test_jkr_is_exact(depth):
 
 
 def test_twelve_hundredths_of_the_work_are_left_after_shear():
-    """As the reference measured."""
+    """After shear 12 % of the work of adhesion is left, as the reference measured."""
     assert AFTER_SHEAR == 0.12
 
 

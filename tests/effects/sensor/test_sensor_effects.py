@@ -42,7 +42,7 @@ def test_a_zero_hides_what_does_not_change(touch, play):
 
 
 def test_drift_is_there_without_contact(touch, play, moved):
-    """A bias of b (1 - exp(-t / T)) on each component, in free air."""
+    """The drift is a bias of b (1 - exp(-t / T)) on each component, in free air."""
     path = in_free_air(touch, moved, powered=np.arange(90.0) * 60)
     wrench = play("sensor_drift", on=path, fz=2.0, ty=0.05, time=1200.0).wrench
     warm = 1 - np.exp(-np.arange(90.0) * 60 / 1200.0)
@@ -80,6 +80,31 @@ def test_cross_talk_names_row_and_column(play):
             wanted += sum(values.get(name + other, 0.0) * plain[frame, place] for place, other in enumerate("xyz"))
             assert found[frame, row] == pytest.approx(wanted)
     np.testing.assert_array_equal(found[:, 3:], plain[:, 3:])
+
+
+def test_cross_talk_of_torques_names_row_and_column(play):
+    """What is called mx_z is the torque about x of a newton along z; x_mz is the force along x of a torque about z."""
+    plain = play().wrench
+    found = play("gain_crosstalk", mx=0.02, my_z=1e-3, z_mx=0.5).wrench
+    wanted = plain.copy()
+    wanted[:, 3] += 0.02 * plain[:, 3]
+    wanted[:, 4] += 1e-3 * plain[:, 2]
+    wanted[:, 2] += 0.5 * plain[:, 3]
+    np.testing.assert_allclose(found, wanted, atol=1e-12)
+
+
+def test_cross_talk_is_that_of_the_axes_of_the_sensor(touch, play):
+    """A gain of x of a sensor that is turned by a quarter about z, far away, is a gain of y with its torque."""
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = turn, [0.0, 0.0, 0.15]
+    there = dataclasses.replace(touch, gel_from_sensor=np.tile(pose, (len(touch), 1, 1)))
+    plain, found = play(on=there).wrench, play("gain_crosstalk", on=there, xx=0.02).wrench
+    np.testing.assert_allclose(found[:, 1], 1.02 * plain[:, 1], atol=1e-12)
+    np.testing.assert_allclose(found[:, [0, 2]], plain[:, [0, 2]], atol=1e-12)
+    extra = np.zeros((len(touch), 3))
+    extra[:, 1] = 0.02 * plain[:, 1]
+    np.testing.assert_allclose(found[:, 3:] - plain[:, 3:], np.cross([0.0, 0.0, 0.15], extra), atol=1e-12)
 
 
 def test_play_is_a_stop_in_a_band():
@@ -128,7 +153,7 @@ def test_readings_are_multiples_of_a_step(play):
 
 
 def test_what_is_simulated_is_the_mean_of_noisy_readings():
-    """As many readings of one force, each with noise and then its dead-band, have it; far outside nothing changes."""
+    """The simulated force is the mean of readings that have noise and then a dead-band; far outside nothing changes."""
     chance = np.random.default_rng(3)
     force = np.linspace(-0.9, 0.9, 13)
     read = force + chance.normal(0.0, 0.1, (40_000, 13))

@@ -18,7 +18,7 @@ def iterated(slope, first=FIRST, rounds=2):
 
 
 def test_it_starts_from_the_answer_while_nothing_bends():
-    """That is the first estimate, its largest component the scale; nothing was missed yet."""
+    """The first estimate is the answer while nothing bends; its largest component is the scale."""
     balance = Balance(-FIRST)
     np.testing.assert_array_equal(balance.felt, -FIRST)
     assert balance.largest == 12.0
@@ -27,7 +27,7 @@ def test_it_starts_from_the_answer_while_nothing_bends():
 
 @pytest.mark.parametrize("slope", [-0.4, 0.5, 3.0, 40.0])
 def test_a_straight_line_is_solved_in_two_moves(slope):
-    """One step of the residual, then the secant: each component on its own."""
+    """A straight line is solved by one step of the residual and then the secant, each component on its own."""
     slopes = slope * np.linspace(0.8, 1.2, 12).reshape(2, 6)
     balance = iterated(slopes)
     np.testing.assert_allclose(balance.felt, FIRST / (1 + slopes), rtol=1e-12)
@@ -37,7 +37,7 @@ def test_a_straight_line_is_solved_in_two_moves(slope):
 
 @pytest.mark.parametrize(("slope", "step"), [(99.0, 0.02), (-0.75, 2.0)])
 def test_a_step_is_a_fiftieth_to_twice_the_residual(slope, step):
-    """Where the secant's step would be 0.01 or 4, it is 0.02 or 2: 1 - k + step k^2 times the first answer."""
+    """A step is 0.02 to 2 times the residual, also where the secant's step would be 0.01 or 4."""
     np.testing.assert_allclose(iterated(slope).felt, (1 - slope + step * slope**2) * FIRST, rtol=1e-12)
 
 
@@ -54,7 +54,7 @@ def test_a_residual_that_hardly_falls_gives_no_secant(fell, step):
 
 
 def test_what_is_missed_is_the_largest_component_that_is_known():
-    """Either sign; a component without an answer misses nothing."""
+    """The largest known component of either sign is what is missed; one without an answer misses nothing."""
     balance = Balance(np.zeros((2, 6)))
     answer = np.zeros((2, 6))
     answer[0, 1], answer[1, 4], answer[1, 5] = 0.5, -2.0, np.nan
@@ -63,7 +63,7 @@ def test_what_is_missed_is_the_largest_component_that_is_known():
 
 
 def test_it_goes_on_for_a_changed_touch_with_the_step_that_it_learnt():
-    """Of another first answer, and the same slope, one move is the solution; the old iteration stays as it was."""
+    """One move solves a touch with another first answer and the same slope; the old iteration stays as it was."""
     old = iterated(3.0)
     felt = old.felt.copy()
     old.measure(FIRST - 3.0 * old.felt + 1e-3)
@@ -78,7 +78,7 @@ def test_it_goes_on_for_a_changed_touch_with_the_step_that_it_learnt():
 
 
 def test_unknown_frames_are_bridged_in_time_and_known_again_by_their_pattern():
-    """Between two known entries a line, beyond them the nearest, without any 0, component by component."""
+    """Unknown entries lie on a line between known ones, are the nearest beyond them, and 0 without any."""
     wrench = np.tile(np.array([[np.nan], [1.0], [np.nan], [3.0], [np.nan]]), (1, 6))
     wrench[:, 5] = np.nan
     wrench[:, 0] = [5.0, 6.0, 7.0, 8.0, 9.0]

@@ -23,7 +23,7 @@ def test_scales_are_those_of_the_rig():
 
 
 def test_the_command_lists_all(capsys):
-    """For people one block each, for machines everything."""
+    """The command lists every effect, in a block each for people and with everything for machines."""
     code, printed, _ = run_command(capsys, "effects")
     assert code == 0
     assert all(f"\n{name} (" in f"\n{printed}" for name in EFFECTS)

@@ -29,7 +29,7 @@ def test_its_path_is_a_press_a_slide_and_half_of_it_back(touch):
 
 
 def test_what_it_states_is_what_its_description_tells(touch):
-    """Ten minutes after power-on, 200 earlier touches 1 mm deep, half a radian of the last joint, gravity down."""
+    """It is ten minutes after power-on, after 200 touches 1 mm deep, at half a radian, with gravity down."""
     np.testing.assert_allclose(touch.powered - touch.seconds, 300.0)
     assert touch.powered[0] == 600.0
     assert set(touch.earlier_contacts) == {200.0}
@@ -43,7 +43,7 @@ def test_what_it_states_is_what_its_description_tells(touch):
 
 
 def test_the_rig_is_that_of_the_paper():
-    """A 4 mm ball, 0.8 mm deep, on 0.88 MPa; a slide of 2 mm at half a millimetre per second."""
+    """The touch is a 4 mm ball, 0.8 mm deep, on 0.88 MPa, with a slide of 2 mm at half a millimetre per second."""
     assert (RIG.youngs_modulus, RIG.poisson_ratio, RIG.friction) == (0.88e6, 0.48, 0.8)
     assert (RIG.radius, RIG.depth, RIG.slide, RIG.speed, RIG.noise) == (4e-3, 0.8e-3, 2e-3, 0.5e-3, 0.1)
 
@@ -59,7 +59,7 @@ def test_other_scales_are_another_touch():
 
 
 def test_the_size_of_an_effect_is_the_largest_change_of_its_force():
-    """Of each strength alone, at its farther plausible end, on this touch or another; torques do not count."""
+    """The size is the largest change of the force by each strength alone, at its farther end; torques do not count."""
     effect = EFFECTS["heating"]()
     other = reference_touch(RigScales(depth=4e-4))
     plain = with_effects(BallOnLayer, []).play(other).wrench

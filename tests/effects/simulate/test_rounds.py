@@ -54,7 +54,7 @@ def missing(residuals, first=True):
     ],
 )
 def test_the_smallest_residual_is_taken(press, residuals, rounds, best):
-    """Below 1e-5 of the largest load at once; else after a while without progress, or after 30 rounds."""
+    """The search ends below 1e-5 of the largest load, else after a while without progress, or after 30 rounds."""
     base, told = missing(residuals)
     state = with_effects(base, [ARM]).contact(press)
     assert len(told) == 1 + rounds
@@ -105,7 +105,7 @@ def test_a_similar_touch_goes_on_from_the_balance_that_was_found(press, residual
 
 
 def test_where_the_old_balance_does_not_help_the_search_starts_anew(press):
-    """Eight rounds beyond 1e-5, then from the touch itself."""
+    """After eight rounds beyond 1e-5 the search starts anew from the touch itself."""
     base, told = missing([*[2e-5] * 8, None, 1e-6], first=False)
     state, balance = Simulator(base, (ARM,)).contact_near(press, near_one())
     assert len(told) == 10

@@ -89,7 +89,7 @@ def test_wrong_documents_are_refused(tmp_path, entry, error, message):
 
 
 def test_files_that_are_none_are_refused(tmp_path):
-    """Not there, not JSON, another format."""
+    """A file that is not there, is no JSON or has another format is refused."""
     with pytest.raises(MissingFile):
         read_settings(tmp_path / "none.json")
     (tmp_path / "torn.json").write_text('{"format": "tactile')
@@ -100,7 +100,7 @@ def test_files_that_are_none_are_refused(tmp_path):
 
 
 def test_effects_on_a_simulator_give_a_simulator(touch, play, medium):
-    """One after the other or all at once, in any order: the same simulator."""
+    """Effects given one after the other or all at once, in any order, give the same simulator."""
     weak, strong = EffectSetting("relaxation", medium("relaxation")), EffectSetting("thickness", medium("thickness"))
     once = with_effects(BallOnLayer, [weak, strong])
     twice = Simulator(BallOnLayer).with_effects([weak]).with_effects([strong])

@@ -42,7 +42,7 @@ def test_a_start_and_a_stop_ring_as_the_closed_form_says(rate):
 
 
 def test_a_steady_acceleration_is_felt_as_it_is_and_steady_speed_not_at_all():
-    """When the start has rung out, whatever the mode."""
+    """A steady acceleration is felt as it is when the start has rung out, in every mode, and a steady speed is not."""
     seconds = np.arange(0.0, 6.0, 0.002)
     late = np.array([4.0, 5.0, 5.5])
     pushed = felt_accelerations(late, *stream(seconds, 0.5 * 0.2 * seconds**2))
@@ -86,7 +86,7 @@ def test_a_stream_of_no_positions_tells_of_no_acceleration():
 
 
 def test_inertia_is_what_is_felt_times_mass(touch, play):
-    """Not the frames' own differences, where the stream is known; a field of another shape is refused."""
+    """Inertia is mass times what is felt from the stream, not from the frames; a field of another shape is refused."""
     felt = np.random.default_rng(1).normal(size=(len(touch), len(FREQUENCIES), 3))
     told = dataclasses.replace(touch, felt_accelerations=felt)
     change = play("inertia", on=told, mass=0.5, frequency=FREQUENCIES[5]).wrench - play(on=told).wrench
@@ -102,7 +102,7 @@ def test_the_filter_of_a_mode_is_designed_once():
 
 
 def test_positions_at_the_rate_of_integration_are_answered_exactly():
-    """Straight pieces of 2 ms, with a tenth of the critical damping: the closed form, to rounding, in every mode."""
+    """Straight pieces of 2 ms give the closed form to rounding, in every mode with a tenth of critical damping."""
     seconds = np.arange(1251) / 500.0
     frames = seconds[[5, 100, 500, 501, 750, 1000, 1250]]
     felt = felt_accelerations(frames, *stream(seconds, 3e-3 * np.minimum(seconds, 1.0)))
@@ -133,13 +133,13 @@ def test_frames_up_to_two_seconds_after_the_last_position_still_ring():
 
 
 def test_the_modes_are_a_twentieth_apart():
-    """From 6 to 40 Hz, each 5 per cent above the one before, to the rounding of two decimals."""
+    """The modes go from 6 to 40 Hz, each 5 % above the one before, to the rounding of two decimals."""
     assert (FREQUENCIES[0], FREQUENCIES[-1]) == (6.0, 40.0)
     np.testing.assert_allclose(np.divide(FREQUENCIES[1:], FREQUENCIES[:-1]), 1.0512, atol=2e-3)
 
 
 @pytest.mark.parametrize(("asked", "column"), [(6.0, 0), (5.0, 0), (40.0, 38), (50.0, 38)])
 def test_beyond_the_modes_the_outermost_is_felt(asked, column):
-    """Below 6 Hz that of 6 Hz, above 40 Hz that of 40 Hz."""
+    """Below 6 Hz the mode of 6 Hz is felt, and above 40 Hz that of 40 Hz."""
     felt = np.random.default_rng(2).normal(size=(3, 39, 3))
     np.testing.assert_allclose(felt_at(felt, asked), felt[:, column], atol=1e-12)

@@ -32,7 +32,7 @@ def test_friction_leaves_the_normal_force_alone(name, play, medium):
 
 
 def test_area_friction_is_a_sum_of_area_and_load(touch, play, moved):
-    """In the plateau F_t = tau A + alpha N with alpha = mu - tau / p0, at any depth."""
+    """The plateau is F_t = tau A + alpha N with alpha = mu - tau / p0, at any depth."""
     tau, p0, mu = 1e5, 3e5, touch.material.friction
     for depth in (2e-4, 5e-4, 1e-3):
         path = slide(touch, moved, np.linspace(0.0, 4e-3, 41))
@@ -143,7 +143,7 @@ def test_mu_is_that_of_the_pressure_that_is_told(play):
 
 
 def test_a_slide_that_ends_slowly_is_older_than_its_pace_says(touch, play, moved):
-    """As old as its last ``length`` took; what comes after its end as rest is not in its pull."""
+    """A slide is as old as its last ``length`` took; what comes after its end as rest is not in its pull."""
     path = slide(touch, moved, np.linspace(0.0, 4e-3, 41), speed=1e-2)
     took = np.outer(np.ones(len(path)), np.sqrt(np.array(WAYS) / 1e-3))  # a brake of 2 mm/s^2
     rest = np.zeros(len(path))
@@ -194,7 +194,7 @@ def test_slip_levels_are_equal_parts_of_mindlins_distribution():
     ],
 )
 def test_ages_lie_between_those_of_the_ways_next_to_the_length(touch, moved, play, length, took):
-    """In proportion to the logarithm; below the first way and beyond the last, of these; all less the rest."""
+    """Ages between two ways follow the logarithm; below the first way and beyond the last they are those of these."""
     path = slide(touch, moved, np.linspace(0.0, 40e-3, 41), speed=1e-2)
     ways = np.tile(np.arange(1.0, 7.0), (len(path), 1))
     rest = np.full(len(path), 0.05)
@@ -229,7 +229,7 @@ def test_before_any_move_friction_is_as_simulated(touch, moved, play):
 
 
 def test_partial_slip_asks_for_eight_parts(touch, play, moved):
-    """Beside the answer before it, so that a touch costs nine."""
+    """Partial slip asks for eight parts beside the answer before it, so that a touch costs nine."""
     asked = []
 
     class Counted(BallOnLayer):

@@ -62,14 +62,14 @@ def test_each_variant_changes_the_force_its_own_way():
 
 
 def cells():
-    """Of each cell the middle, its height, and whether it has a face on the outer surface."""
+    """The middle of each cell, its height, and whether it has a face on the outer surface."""
     corners = PAD.vertices[PAD.cells]
     top = np.isclose(surface_height(PAD, PAD.vertices[:, :2]), PAD.vertices[:, 2], atol=1e-9)
     return corners.mean(axis=1), np.ptp(corners[:, :, 2], axis=1), top[PAD.cells].sum(axis=1) == 4
 
 
 def test_a_skin_stiffens_the_uppermost_cells_by_its_thickness_over_theirs():
-    """1 + skin / height on every cell under the surface, away from the pad's rounded sides; 1 below."""
+    """The factor is 1 + skin / height on cells under the surface, away from rounded sides, and 1 below."""
     middles, heights, is_upper = cells()
     inner = (np.abs(middles[:, 0]) < 6e-3) & (np.abs(middles[:, 1]) < 6e-3)
     found = _cell_factors(PAD, GelVariant(skin=2e-4))
@@ -79,7 +79,7 @@ def test_a_skin_stiffens_the_uppermost_cells_by_its_thickness_over_theirs():
 
 
 def test_spots_multiply_the_modulus_through_the_whole_thickness():
-    """1 - loss exp(-r^2 / (2 radius^2)) for each spot, whatever the depth; nothing without skin and spots."""
+    """Each spot gives the factor 1 - loss exp(-r^2 / (2 radius^2)) at any depth; without skin and spots it is 1."""
     middles, _, _ = cells()
     spots = (SoftSpot(1e-3, -2e-3, 1.5e-3, 0.4), SoftSpot(-3e-3, 0.0, 3e-3, 0.2))
     wanted = np.ones(len(middles))
@@ -91,7 +91,7 @@ def test_spots_multiply_the_modulus_through_the_whole_thickness():
 
 
 def test_between_its_nodes_the_surface_is_a_plane_and_outside_the_nearest_node():
-    """At the nodes their own height; far beyond the pad a height of the surface, not a hole."""
+    """The surface has the nodes' own height at the nodes, and far beyond the pad that of the surface, not a hole."""
     nodes = PAD.vertices[np.unique(PAD.faces)]
     inner = nodes[(np.abs(nodes[:, 0]) < 5e-3) & (np.abs(nodes[:, 1]) < 5e-3)]
     np.testing.assert_allclose(surface_height(PAD, inner[:, :2]), inner[:, 2], atol=1e-12)

@@ -15,7 +15,7 @@ def path(rate=125.0):
 
 @pytest.mark.parametrize("noise", [0.0, 1e-6])
 def test_pace_and_rest_are_those_of_the_last_move(noise):
-    """On the way the speed itself; at rest that of the last move, and the time since; nothing before the first."""
+    """The pace is the speed on the way and that of the last move at rest; nothing is known before the first move."""
     seconds, places = path()
     places = places + noise * np.random.default_rng(0).normal(size=places.shape)
     pace, rest = last_move(np.array([0.5, 1.25, 2.0, 2.99, 4.0, 5.8]), seconds, places)
@@ -113,7 +113,7 @@ def test_rest_counts_from_the_last_position_of_a_move():
 
 
 def test_ways_are_three_and_ten_in_every_decade():
-    """From 3 um to 1 mm."""
+    """The ways go from 3 um to 1 mm, at three and ten in every decade."""
     assert (WAYS[0], WAYS[1], WAYS[-1]) == (3e-6, 1e-5, 1e-3)
     np.testing.assert_allclose(WAYS[2:], 10.0 * np.array(WAYS[:-2]))
 

@@ -19,7 +19,7 @@ def walk(touch, moved):
 
 
 def test_speed_is_the_way_along_the_gel_over_the_time_since_the_frame_before(walk):
-    """6, 0 and 20 mm/s; 0 at the first frame."""
+    """The speed is 6, 0 and 20 mm/s, and 0 at the first frame."""
     np.testing.assert_allclose(walk.lateral_steps, [0.0, 3e-3, 0.0, 5e-3], atol=1e-15)
     assert walk.time_steps.tolist() == [0.0, 0.5, 2.0, 0.25]
     np.testing.assert_allclose(walk.lateral_speed, [0.0, 6e-3, 0.0, 20e-3], atol=1e-15)

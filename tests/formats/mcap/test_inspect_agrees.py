@@ -58,7 +58,7 @@ def test_of_messages_with_and_without_a_frame_the_foreign_ones_alone_are_refused
     [(["a"] * 4, "a"), (["a"] * 4, "b"), (["a", "b", "a", ""], "a"), ([""] * 4, "ft"), (["a"] * 4, None)],
 )
 def test_inspect_and_read_agree(tmp_path, frames, frame):
-    """The same signals with the same findings; a topic of which nothing is read is not shown as read."""
+    """Inspecting and reading give the same signals and findings; a topic that is not read is not shown as read."""
     wrench_tape(tmp_path / "run.mcap", frames)
     mapping = mapped(frame) if frame else None
     rows, findings = inspected(tmp_path / "run.mcap", mapping)

@@ -22,7 +22,7 @@ FORMAT = McapFormat()
 
 @pytest.fixture(scope="module")
 def recordings(tmp_path_factory):
-    """The same 6,600 wrenches, chunked and compressed in different ways: bytes and values by name."""
+    """Recordings of the same 6,600 wrenches, chunked and compressed in different ways: bytes and values by name."""
     folder = tmp_path_factory.mktemp("long")
     made = {}
     for name, options in {
@@ -49,7 +49,7 @@ def damage(recording):
 
 
 def rows(recording):
-    """Which of the rows written came back, by their log times; and nothing that was not written."""
+    """Return the numbers of the rows that came back, by their log times."""
     return (recording.signals["wrench"].stamps.log - START) // STEP
 
 
@@ -73,7 +73,7 @@ def flipped(content, place, mask=0xFF):
 
 
 def test_the_recording_is_the_one_of_the_table(recordings):
-    """6,600 messages in 151 chunks, as in the published measurement."""
+    """The recording has 6,600 messages in 151 chunks, as in the published measurement."""
     assert len(chunk_places(recordings["zstd"][0])) == 151
 
 

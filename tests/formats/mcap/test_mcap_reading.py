@@ -72,7 +72,7 @@ def test_round_trip_is_exact(tmp_path, encoding):
 @pytest.mark.parametrize("compression", ["none", "lz4", "zstd"])
 @pytest.mark.parametrize("chunked", [True, False])
 def test_chunking_changes_nothing(tmp_path, compression, chunked):
-    """Chunked or not, compressed or not: the same numbers."""
+    """A log gives the same numbers chunked or not, compressed or not."""
     truth = touch(tmp_path / "run.mcap", compression=compression, use_chunking=chunked)
     recording, images = read_one(tmp_path / "run.mcap")
     np.testing.assert_array_equal(recording.signals["joints"].values, truth["joints"])
@@ -103,7 +103,7 @@ def test_a_poor_summary_is_made_up_for(tmp_path, options):
 
 @pytest.mark.parametrize("encoding", ["protobuf", "json"])
 def test_foxglove_types(tmp_path, encoding):
-    """Images, poses and (by a mapping) wrenches of protobuf and JSON recordings."""
+    """Protobuf and JSON recordings give images, poses and (by a mapping) wrenches."""
     if encoding == "protobuf":
         pytest.importorskip("mcap_protobuf")
     truth = foxglove_touch(tmp_path / "run.mcap", encoding)

@@ -118,7 +118,7 @@ def stored(path, mapping, target):
 
 
 def test_own_names_give_the_store_of_the_standard_names(two_names, tmp_path):
-    """Draft, uncomment, fill in the frame, ingest: the same signals, aligned values and frames, bit by bit."""
+    """A draft that is uncommented and completed gives the same signals, aligned values and frames, bit by bit."""
     text = draft(two_names / "own.mcap")
     text = uncommented(text).replace("topic: /lab/ft_raw\n", "topic: /lab/ft_raw\n    frame: robotiq_ft_frame_id\n")
     mapping = parse_document(text.replace("  camera:\n", "  digit:\n"), "the draft") | {"clock": "log"}

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import io
-import shutil
 
 import cv2
 import numpy as np
 import pytest
+from copied_trees import copy_tree
 from generators.collect import read
 from generators.folder_log import SENSOR, write
 
@@ -74,7 +74,7 @@ def test_a_background_added_by_hand_of_another_kind(kind, tiny_store, tmp_path):
     """`sensors add` says the same of a picture, and refuses one that would lose its meaning; the store stays."""
     payload, code = KINDS[kind]
     payload = payload or four_inks()
-    store = shutil.copytree(tiny_store, tmp_path / "ds.zarr")
+    store = copy_tree(tiny_store, tmp_path / "ds.zarr")
     (tmp_path / "picture.png").write_bytes(payload)
     if code == "lost":
         with pytest.raises(UsageError, match=r"picture\.png .* cannot|picture\.png .* is not a picture"):

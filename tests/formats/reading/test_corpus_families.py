@@ -77,7 +77,7 @@ def test_recordings_keep_the_contract(fakes, name):
 
 @pytest.mark.parametrize("name", GENERATORS)
 def test_reading_twice_gives_the_same(fakes, name):
-    """Nothing depends on the moment of reading."""
+    """Reading twice gives the same, as nothing depends on the moment of reading."""
     form = FORMATS[name]()
     source = form.sources(fakes[name])[0]
     one, other = Collected(), Collected()

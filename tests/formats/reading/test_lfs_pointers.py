@@ -61,7 +61,7 @@ def test_every_reader_names_a_pointer(tmp_path, name):
 
 @pytest.mark.slow
 def test_weights_that_are_a_pointer_are_named(tmp_path):
-    """The same of weights, which PyTorch would call broken."""
+    """Weights that are a pointer are named as one; PyTorch would call them broken."""
     from split_models.learning.checkpoint import load_checkpoint
     from tactiledata.metrics.gram_style import vgg19_features
 

@@ -7,7 +7,8 @@ import struct
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from few_examples import few
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
@@ -40,7 +41,7 @@ class Evil:
         return self.content
 
 
-@settings(max_examples=60)
+@few(60)
 @given(PLAIN, st.sampled_from(PROTOCOLS))
 def test_plain_values_come_back(value, protocol):
     """Numbers, text, bytes and containers are what they were, in every protocol."""
@@ -59,7 +60,7 @@ TEXTS = st.one_of(hnp.byte_string_dtypes(max_len=6), hnp.unicode_string_dtypes(m
 SHAPES = hnp.array_shapes(min_dims=0, max_dims=3, min_side=0, max_side=4)
 
 
-@settings(max_examples=60)
+@few(60)
 @given(hnp.arrays(NUMBERS | TEXTS, SHAPES), st.sampled_from(PROTOCOLS))
 def test_arrays_come_back(array, protocol):
     """Arrays of numbers and text keep values, type, byte order and shape, in every protocol and both memory orders."""

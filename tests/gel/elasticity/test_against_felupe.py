@@ -23,7 +23,7 @@ LAME = POISSON / ((1 + POISSON) * (1 - 2 * POISSON))
 
 
 def pushed(points: np.ndarray, depth: float) -> tuple[np.ndarray, np.ndarray]:
-    """Which points are held in the patch, and where they are moved: a smooth dent, deeper towards +x, flat at its rim.
+    """The held points of the patch, and where they are moved: a smooth dent, deeper towards +x, flat at its rim.
 
     No corner in it, so that both discretisations converge fast.
     """
@@ -66,7 +66,7 @@ def our_forces(depths: list[float]) -> list[np.ndarray]:
 
 
 def their_forces(depths: list[float], is_linear: bool) -> list[np.ndarray]:
-    """The same by felupe's 27-node hexahedra on the coarse grid, lengths in mm."""
+    """Forces by felupe's 27-node hexahedra on the coarse grid, lengths in mm."""
     grid = structured_pad("block", BLOCK, COARSE)
     mesh = felupe.Mesh(grid.vertices * 1e3, grid.cells, "hexahedron")
     mesh = mesh.convert(order=2, calc_midfaces=True, calc_midvolumes=True)

@@ -29,7 +29,7 @@ def pad():
 @pytest.mark.parametrize("kind", ["hexahedron8", "tetrahedron10"])
 @pytest.mark.parametrize(("c20", "c30"), [(0.2, 0.0), (-0.05, 0.05)])
 def test_stress_is_the_law_s(kind, c20, c30):
-    """A uniform deformation: neo-Hooke's stress and the derivative of Yeoh's terms, by differences of the energy."""
+    """The stress of a uniform deformation is neo-Hooke's with the derivative of Yeoh's terms, by differences."""
     mesh = distorted(kind)
     forces = internal_forces(
         ElasticPad.of(mesh, cell_quadrature(mesh)),

@@ -41,7 +41,7 @@ def thick():
 
 @pytest.mark.slow
 def test_hertz(thick):
-    """A ball on a thick block: Hertz's force within 2 %, the block's own thickness allowed for (4 %)."""
+    """A ball on a thick block has Hertz's force within 2 %, with the block's own thickness allowed for (4 %)."""
     history = pressed(thick, Sphere(RADIUS), poses((0, 0, -0.06), (0, 0, -0.1)))
     expected = [1e6 * dimitriadis(RADIUS, depth, 30e-3, NU) for depth in (6e-5, 1e-4)]
     assert expected[1] < 1.045e6 * hertz(RADIUS, 1e-4, NU)
@@ -64,7 +64,7 @@ def test_hertz_pressure(thick):
 
 @pytest.mark.slow
 def test_partial_slip(thick):
-    """A ball pressed, then shifted: Cattaneo's and Mindlin's tangential force within 5 % of the sliding force."""
+    """A ball that is pressed and shifted has Cattaneo's and Mindlin's force within 5 % of the sliding force."""
     friction, shifts = 0.5, np.linspace(0, 6e-5, 13)
     at = poses((0, 0, -0.05), (0, 0, -0.1), *[(1e3 * shift, 0, -0.1) for shift in shifts])
     wrench = pressed(thick, Sphere(RADIUS), at, friction).wrench[2:]
@@ -83,7 +83,7 @@ def test_partial_slip(thick):
 @pytest.mark.slow
 @pytest.mark.parametrize(("radius", "depth"), [(4e-3, 1e-4), (4e-3, 2e-4), (8e-3, 2e-4)])
 def test_finite_thickness(radius, depth):
-    """A ball on a bonded layer of 4 mm: Dimitriadis' force within 3 % (up to 1.5 times that of Hertz)."""
+    """A ball on a bonded layer of 4 mm has Dimitriadis' force within 3 % (up to 1.5 times that of Hertz)."""
     mesh = slab(0.24e-3, 12, 1.44e-3, (0, 0.3, 0.52, 0.68, 0.8, 0.88, 0.94, 1), 1.7e-3)
     force = forces_at(mesh, 0.49, "linear", Sphere(radius), [depth])[0]
     assert force == pytest.approx(1e6 * dimitriadis(radius, depth, 4e-3, 0.49), rel=0.03)

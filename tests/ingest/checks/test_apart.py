@@ -4,6 +4,7 @@ import csv
 import shutil
 
 import pytest
+from copied_trees import copy_tree
 
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.ingest.trajectories.assemble import IngestOptions
@@ -30,7 +31,7 @@ def test_sound_recordings_say_nothing(tiny_folders, tmp_path):
 )
 def test_a_force_sensor_on_another_clock(tiny_folders, tmp_path, change, code):
     """Off by a time zone, or in microseconds: no touch has a force, which is said as that and as nothing else."""
-    log = shutil.copytree(tiny_folders[0], tmp_path / "log")
+    log = copy_tree(tiny_folders[0], tmp_path / "log")
     head, *rows = csv.reader((log / "wrench.csv").read_text().splitlines())
     lines = [",".join(head), *(",".join([str(change(int(row[0]))), *row[1:]]) for row in rows)]
     (log / "wrench.csv").write_text("\n".join(lines) + "\n")
@@ -46,7 +47,7 @@ def test_images_under_another_serial(tiny_mcaps, tmp_path):
 
 def test_a_camera_that_is_stuck_in_a_slow_press(tiny_folders, tmp_path):
     """The force changes by newtons over many images, though by less than one from image to image."""
-    log = shutil.copytree(tiny_folders[0], tmp_path / "log")
+    log = copy_tree(tiny_folders[0], tmp_path / "log")
     first, *others = sorted((log / "frames").iterdir())
     for image in others:
         shutil.copy(first, image)

@@ -1,6 +1,6 @@
 """What a recording contradicts in its store is said when it is ingested, not only kept."""
 
-import shutil
+from copied_trees import copy_tree
 
 from tactiledata.ingest.checks.conflicts import CONFLICTS
 from tactiledata.ingest.pipeline import ingest
@@ -12,7 +12,7 @@ def conflicts(report):
 
 def relabelled(log, place, name, other):
     """A copy of a folder log whose sensor goes by the serial of another one."""
-    shutil.copytree(log, place)
+    copy_tree(log, place)
     for table in ("log.yaml", "trajectories.csv"):
         (place / table).write_text((place / table).read_text().replace(name, other))
     (place / "backgrounds" / f"{name}.png").rename(place / "backgrounds" / f"{other}.png")
@@ -30,7 +30,7 @@ def test_swapped_sensors_are_said(tiny_folders, tmp_path):
 
 def test_a_signal_that_means_something_else_is_said_once(tiny_folders, tmp_path):
     """The wrench in another frame is kept apart, with a word about it and none for its values at the frames."""
-    other = shutil.copytree(tiny_folders[1], tmp_path / "other")
+    other = copy_tree(tiny_folders[1], tmp_path / "other")
     text = (other / "log.yaml").read_text()
     (other / "log.yaml").write_text(text.replace("robotiq_ft_frame_id", "bench"))
     report = ingest([tiny_folders[0], other], tmp_path / "ds.zarr")

@@ -39,7 +39,7 @@ def matrix(z):
     ],
 )
 def test_numbers_at_their_limit_are_plausible(place, most, beyond):
-    """And a little beyond it they are most likely in another unit, or no rotation."""
+    """Numbers at their limit are plausible; a little beyond it they are in another unit, or no rotation."""
     assert said(place, most) == []
     [(code, severity, _)] = said(place, beyond)
     assert (code, severity) == ("stated-implausible", "warning")
@@ -76,7 +76,7 @@ def test_the_place_and_the_value_are_named(place, value, message):
 
 
 def test_a_way_alone_and_a_turn_alone_are_poses():
-    """And without tool, gel or poses nothing is doubted."""
+    """A way alone and a turn alone are poses, and without tool, gel or poses nothing is doubted."""
     assert said(("robot", "tcp_from_gel"), {"xyz": [0, 0, 0.1]}) == []
     assert said(("robot", "tcp_from_gel"), {"xyzw": [0, 0, 0, 1]}) == []
     assert said(("robot",), {}) == []

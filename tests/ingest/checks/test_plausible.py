@@ -34,7 +34,7 @@ def said(document):
 
 
 def test_a_sound_description_says_nothing():
-    """Also where the corpora's own models stand, or nothing at all."""
+    """A sound description gives no finding, also with the corpora's own models, or nothing at all."""
     assert said(SOUND) == []
     assert said({**SOUND, "sensors": {"one": {"model": "gelsight_mini"}}}) == []
     assert description_findings(LogDescription()) == []

@@ -33,7 +33,7 @@ class Tables:
 
 
 def test_three_twins_are_named_and_the_others_counted():
-    """Each with how many touches it shares, in the order of the store."""
+    """Three twins are named with how many touches they share, in the order of the store."""
     five = Tables(5, [touch(source, 0, 10) for source in (0, 0, 1, 2, 3, 4, 4)])
     found = twin_findings(five, ["s0", "elsewhere"])
     assert list(found) == ["s0"]
@@ -45,7 +45,7 @@ def test_three_twins_are_named_and_the_others_counted():
 
 
 def test_a_touch_that_overlaps_several_counts_once():
-    """A long touch against three short ones of another source: one of it, three of the other."""
+    """A long touch beside three short ones of another source counts once, and the other counts three."""
     short = [touch(1, start, start + 5) for start in (0, 10, 20)]
     assert overlaps([touch(0, 0, 30), *short]) == {0: {1: 1}, 1: {0: 3}}
 
@@ -70,7 +70,7 @@ def test_what_ended_before_does_not_count_and_what_came_before_does():
 
 
 def test_the_first_conflict_of_each_stream_is_said():
-    """Of the sources that are asked for, with the codes of conflicts only."""
+    """The first conflict of each stream is said, of the sources that are asked for and of no other kind of finding."""
     rows = [
         (0, Finding("sensor-conflict", "warning", "one", "D1")),
         (1, Finding("sensor-conflict", "warning", "two", "D1")),

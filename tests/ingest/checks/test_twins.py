@@ -1,8 +1,7 @@
 """Copies whose files differ are found by what they hold: one sensor at one time; clocks that start at 0 say nothing."""
 
-import shutil
-
 import pytest
+from copied_trees import copy_tree
 
 from tactiledata.ingest.checks.twins import ABSOLUTE, overlaps
 from tactiledata.ingest.pipeline import ingest
@@ -48,7 +47,7 @@ def test_unknown_sensors_are_twins_at_equal_times():
 
 
 def test_an_edited_copy_is_said_at_ingest(tiny_folders, tiny_mcaps, tmp_path):
-    """In one run or in a later one, and again when it is there already; independent logs have no twin."""
+    """An edited copy is said in one run, in a later one and when it is there already; independent logs have no twin."""
 
     def said(report):
         return [[finding.code for finding in source.findings].count("recording-twin") for source in report.sources]
@@ -56,7 +55,7 @@ def test_an_edited_copy_is_said_at_ingest(tiny_folders, tiny_mcaps, tmp_path):
     store = tmp_path / "ds.zarr"
     assert said(ingest(tiny_folders, store)) == [0, 0]
     copy = tmp_path / "copy"
-    shutil.copytree(tiny_folders[0], copy)
+    copy_tree(tiny_folders[0], copy)
     text = (copy / "log.yaml").read_text()
     (copy / "log.yaml").write_text(text + "\n# edited\n")
     report = ingest([copy], store)
@@ -71,11 +70,11 @@ def test_an_edited_copy_is_said_at_ingest(tiny_folders, tiny_mcaps, tmp_path):
 def test_a_copy_that_replaces_its_origin_has_no_twin(tiny_folders, tmp_path):
     """With `--replace` only the edited log is left, and nothing is said; added beside its origin it is said."""
     log = tmp_path / "log"
-    shutil.copytree(tiny_folders[0], log)
+    copy_tree(tiny_folders[0], log)
     ingest([log], tmp_path / "ds.zarr")
     with (log / "log.yaml").open("a") as stream:
         stream.write("\n# edited\n")
-    shutil.copytree(tmp_path / "ds.zarr", tmp_path / "both.zarr")
+    copy_tree(tmp_path / "ds.zarr", tmp_path / "both.zarr")
     for store, replace, twins in (("ds.zarr", True, 0), ("both.zarr", False, 1)):
         [source] = ingest([log], tmp_path / store, replace=replace).sources
         assert source.state == ("replaced" if replace else "added")

@@ -50,7 +50,7 @@ def test_a_quaternion_of_zeros_is_left_out():
 
 
 def test_an_empty_signal_gives_nan():
-    """No samples, no values, no crash."""
+    """A signal without samples gives NaN, and no crash."""
     aligned = align(signal(np.zeros(0, np.int64), np.zeros((0, 1))), START + np.arange(3))
     assert np.isnan(aligned.values).all()
 
@@ -85,5 +85,5 @@ def test_fractions_are_those_that_align_interpolates_with(steps, frames):
 
 
 def test_nothing_lies_between_the_samples_of_an_empty_signal():
-    """No samples, no fractions."""
+    """A signal without samples gives no fractions."""
     assert len(fractions_between(np.zeros(0, np.int64), START + np.arange(3))) == 0

@@ -1,10 +1,10 @@
 """Streams and images whose clock is off as a whole, or jumps, are damage; those that begin late or pause are not."""
 
 import re
-import shutil
 
 import numpy as np
 import pytest
+from copied_trees import copy_tree
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -23,7 +23,7 @@ TOUCHES = (2 * SECOND, 58 * SECOND)
 
 def moved(log, folder, table, seconds, first=0, last=None):
     """A copy of a folder log with rows of a table at another time."""
-    shutil.copytree(log, folder)
+    copy_tree(log, folder)
     head, *rows = (folder / f"{table}.csv").read_text().splitlines()
     for number in range(first, len(rows) if last is None else last):
         t_ns, rest = rows[number].split(",", 1)
@@ -59,8 +59,9 @@ def test_what_begins_late_or_ends_early_is_not_shifted(begins, ends):
     assert shift_of("wrench", spans, None) is None
 
 
-@pytest.mark.parametrize("seconds", [5, -5, 2])
-@pytest.mark.parametrize("table", ["wrench", "tcp", "joints"])
+@pytest.mark.parametrize(
+    ("table", "seconds"), [("wrench", 5), ("wrench", -5), ("wrench", 2), ("tcp", -5), ("joints", 2)]
+)
 def test_a_log_with_a_shifted_signal_falls_short(table, seconds, tiny_folders, tmp_path):
     """No force or pose comes from another touch; the damage says by how much, and the offset that mends it."""
     log = moved(tiny_folders[0], tmp_path / "log", table, seconds)
@@ -157,7 +158,7 @@ def test_a_camera_that_pauses_or_begins_late_is_sound(first, last, pause, lost):
 
 @given(st.integers(0, 10**6), st.integers(2, 30))
 def test_a_camera_that_films_by_steps_is_sound(seed, steps):
-    """Negative control: a camera with long pauses of any length, within the time of the signals."""
+    """A camera with long pauses of any length within the time of the signals is sound."""
     rng = np.random.default_rng(seed)
     t_ns = np.unique(
         np.concatenate([start + np.arange(6) * SECOND // 30 for start in rng.integers(0, 59 * SECOND, steps)])

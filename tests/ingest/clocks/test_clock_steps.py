@@ -1,10 +1,10 @@
 """A stream's clock that jumps is told from a stream that pauses, and no force moves into another touch."""
 
 import dataclasses
-import shutil
 
 import numpy as np
 import pytest
+from copied_trees import copy_tree
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -221,7 +221,7 @@ def test_a_forced_header_that_jumps_is_damage():
 
 def rewritten(log, folder, change, *tables):
     """A copy of a folder log whose rows of wrench.csv (or other tables) went through ``change``."""
-    shutil.copytree(log, folder)
+    copy_tree(log, folder)
     for table in tables or ("wrench",):
         head, *rows = (folder / f"{table}.csv").read_text().splitlines()
         (folder / f"{table}.csv").write_text("\n".join([head, *change(rows)]) + "\n")

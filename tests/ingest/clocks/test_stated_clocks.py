@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from few_examples import few
+from hypothesis import example, given
 from hypothesis import strategies as st
 from test_stated_tares import ALL, TOUCH_SECONDS, WITHIN, World
 
@@ -55,7 +56,7 @@ def test_forces_are_right_on_whatever_clock_the_streams_were(kind, offset_s):
     assert error(world, kind, offsets, 15_000_000, FACTS) < WITHIN
 
 
-@settings(max_examples=25)
+@few(25)
 @example(0, "header", 0.0, 0.0, 4.0, set())
 @given(
     st.integers(0, 10**6),

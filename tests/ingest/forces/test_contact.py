@@ -70,7 +70,7 @@ def planted(rng, sign=1.0, bias=3.0, noise=0.05):
 
 @pytest.mark.parametrize(("name", "sign"), [("load_on_sensor", 1.0), ("reaction", -1.0)])
 def test_the_planted_contact_comes_back(name, sign):
-    """Force within the noise and torque within its lever, whichever sign the recording uses."""
+    """Force comes back within the noise and torque within its lever, whichever sign the recording uses."""
     rng = np.random.default_rng(1)
     t_ns, truth, wrench, tcp = planted(rng, sign)
     found = contact_wrench(description(name), wrench, tcp, [("t", int(t_ns[0]), int(t_ns[-1]))])

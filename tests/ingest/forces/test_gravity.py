@@ -11,7 +11,7 @@ from tactiledata.units import SIGNAL_COLUMNS, signal_units
 
 
 def test_two_kilograms_weigh_their_newtons():
-    """2 kg a tenth of a metre along x of an upright sensor: 2 x 9.80665 N down, a tenth of it in N m about y."""
+    """2 kg at 0.1 m along x of an upright sensor give 2 x 9.80665 N down, and a tenth of it in N m about y."""
     same = {"xyz": [0.0, 0.0, 0.0], "xyzw": [0.0, 0.0, 0.0, 1.0]}
     robot = {"tcp_from_ft": same, "tool": {"mass": 2.0, "centre_of_gravity": [0.1, 0.0, 0.0]}}
     t_ns = np.arange(3) * 10_000_000

@@ -3,6 +3,8 @@
 import shutil
 from pathlib import Path
 
+from copied_trees import copy_tree
+
 from tactiledata.ingest.sources.discover import find_sources
 
 
@@ -24,8 +26,8 @@ def test_links_that_lead_back_up_are_left(tiny_mcaps, tmp_path):
 
 def test_links_up_are_left_between_folder_logs_too(tiny_folders, tmp_path):
     """Folders that no format claims are searched in another place than collections of bags."""
-    shutil.copytree(tiny_folders[0], tmp_path / "named" / "log")
-    shutil.copytree(tiny_folders[1], tmp_path / "above")
+    copy_tree(tiny_folders[0], tmp_path / "named" / "log")
+    copy_tree(tiny_folders[1], tmp_path / "above")
     (tmp_path / "named" / "up").symlink_to("..")
     sources, left = find_sources([tmp_path / "named"])
     assert [Path(source.path).name for source in sources] == ["log"]

@@ -17,7 +17,7 @@ DOME = stated("dome", curvature=1 / RADIUS)
 PRESS = {"press": {"depth": 0.0007, "step": 0.0002, "settle": 0.05}}
 OUTWARD = {"shear": {"by": [0.0010, 0.0], "step": 0.0002, "speed": 0.001, "settle": 0.1}}
 MATERIAL = {"youngs_modulus": 0.9e6, "poisson_ratio": 0.475, "friction": 0.7}
-LAYER = {"contact": "layer", "contact_pitch": 0.0005}
+LAYER = {"contact": "layer", "contact_pitch": 0.0006}
 SCATTER = {"ball": 0.0, "punch": 0.06}
 """Share of its pull by which a slide that is shifted by 1e-8 m ends elsewhere: under an edge, tolerances of steps add
 up, and so do the last bits of a processor."""
@@ -57,7 +57,7 @@ def test_a_cap_falls_as_its_slope_says():
 
 @pytest.mark.parametrize("form", [{}, LAYER], ids=["closed", "layer"])
 def test_in_the_middle_a_ball_presses_like_a_smaller_one_on_a_flat_gel(form):
-    """1 / R' = 1 / R + 1 / R_dome (Hertz): 3 % less force than on a flat gel."""
+    """The force is that of 1 / R' = 1 / R + 1 / R_dome (Hertz), 3 % less than on a flat gel."""
     domed = last([DOME], "press", (0.0, 0.0), **form)
     smaller = {"ball": {"shape": "sphere", "radius": 1 / (1 / 0.004 + 1 / RADIUS)}}
     flat = last((), "press", (0.0, 0.0), indenters=smaller, **form)
@@ -69,7 +69,7 @@ def test_in_the_middle_a_ball_presses_like_a_smaller_one_on_a_flat_gel(form):
 
 @pytest.mark.parametrize("form", [{}, LAYER], ids=["closed", "layer"])
 def test_without_friction_the_force_is_along_the_normal(form):
-    """Of the ball where it touches the dome: on the line from the dome's centre to the ball's."""
+    """The force on the ball is on the line from the dome's centre to the ball's."""
     domed = last([DOME], "press", **form, **SLIPPERY)
     flat = last((), "press", **form, **SLIPPERY)
     slope = 0.004 / (RADIUS + 0.004 - 0.0007)

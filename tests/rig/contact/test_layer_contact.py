@@ -57,7 +57,7 @@ def test_the_flat_punch_agrees_with_a_spectral_solver():
 @pytest.mark.parametrize("shape", list(INDENTERS))
 @pytest.mark.parametrize("tilt", [(0.0, 0.0), (0.08, -0.05)])
 def test_force_rises_with_depth_for_every_indenter(shape, tilt):
-    """Zero at first touch, rising ever after, without a jump."""
+    """The force is zero at first touch and rises ever after, without a jump."""
     law = law_of({"shape": shape}, tilt, yaw=0.4)
     assert law.force[0] == 0.0
     assert (np.diff(law.force) >= 0).all()
@@ -117,7 +117,7 @@ def test_the_torque_is_that_of_the_force_at_the_contact():
     st.floats(0.0, 1.5),
 )
 def test_friction_stays_inside_its_cone(path, friction):
-    """|Ft| <= mu N at every moment of any path, and none without load."""
+    """At every moment of any path |Ft| <= mu N holds, and without load there is no friction."""
     steps = np.array(path)
     pull, slipping = stick_slip(steps[:, :2], steps[:, 2], np.full(len(steps), 5e3), friction)
     assert (np.hypot(*pull.T) <= friction * steps[:, 2] * (1 + 1e-12) + 1e-15).all()

@@ -58,7 +58,7 @@ def test_a_cable_pulls_with_the_wrist_only():
 
 
 def test_inertia_is_mass_times_acceleration():
-    """Far above the motion's frequencies: -m a of the carried tool on the long way between touches; none at rest."""
+    """Above the motion's frequencies, -m a of the carried tool acts on the long way between touches, none at rest."""
     found, plain = both(stated("inertia", mass=0.6, frequency=100.0))
     more = np.linalg.norm((found.readings - plain.readings)[:, :3], axis=1)
     performance = found.performance
@@ -143,7 +143,7 @@ def test_a_range_ends_softly():
 
 
 def test_a_skewed_clock_gains_and_falls_back():
-    """By skew t - jump floor(t / every), in stamps only, and stamps still rise."""
+    """A skewed clock is off by skew t - jump floor(t / every), in stamps only, and stamps still rise."""
     found, plain = both(stated("clock_skew", skew=1e-4, jump=0.004, every=3.0))
     np.testing.assert_array_equal(found.readings, plain.readings)
     off = (found.stamps - plain.stamps) * 1e-9

@@ -33,7 +33,7 @@ def factor_at_depth(entry, indenter="ball", **changes):
 
 
 def test_thickness_is_a_gel_of_that_thickness():
-    """The same wrench as in a world whose gel is said to be so thick."""
+    """The wrench is that of a world whose gel is said to be so thick."""
     hidden = contact_of([stated("thickness", error=-0.1)])[2]
     stated_so = contact_of(sensors={"D1": {"background": "digit-bg-0", "gel": {"thickness": 0.9 * 0.0041}}})[2]
     np.testing.assert_allclose(hidden, stated_so, rtol=1e-12)
@@ -41,7 +41,7 @@ def test_thickness_is_a_gel_of_that_thickness():
 
 
 def test_a_dome_is_lower_and_thinner_away_from_its_middle():
-    """By R - sqrt(R² - r²) = 0.202 mm at 4 mm for R = 40 mm; as high and thick as stated in the middle."""
+    """A dome of R = 40 mm is lower and thinner by R - sqrt(R² - r²) = 0.202 mm at 4 mm, and as stated in the middle."""
     entry = stated("dome", curvature=25.0)
     aside = played([entry], [touch(position=(0.0, 0.004))]).performance.plays[0]
     assert aside.offset[2] == pytest.approx(-(0.04 - np.sqrt(0.04**2 - 0.004**2)), rel=1e-9)
@@ -52,7 +52,7 @@ def test_a_dome_is_lower_and_thinner_away_from_its_middle():
 
 
 def test_an_indenter_stands_elsewhere_all_the_time():
-    """By the stated sizes; the same for its touches, another sign or direction for another indenter."""
+    """An indenter is displaced by the stated sizes in all its touches, another one by another sign or direction."""
     entry = stated("indenter_mount", height=1e-4, aside=2e-4, radius=0.01)
     trajectories = [touch("a"), touch("b", position=(0.0, 0.001)), touch("c", "small"), touch("d", "punch")]
     plays = played([entry], trajectories).performance.plays
@@ -66,13 +66,13 @@ def test_an_indenter_stands_elsewhere_all_the_time():
 
 
 def test_stiffening_is_ogdens_in_pure_shear():
-    """A 4 mm ball 0.8 mm deep: s = 0.2 * 0.8 / 1.728 + 0.8 / 12.3 = 0.1576, e = 0.1715, factor 1.163 at exponent 6."""
+    """With s = 0.2 * 0.8 / 1.728 + 0.8 / 12.3 = 0.1576 and e = 0.1715, the factor is 1.163 at exponent 6."""
     assert factor_at_depth(stated("stiffening", exponent=6.0)) == pytest.approx(1.163, abs=0.002)
     assert factor_at_depth(stated("stiffening", exponent=6.0), "small") > 1.17
 
 
 def test_a_skin_stiffens_small_contacts_more():
-    """Gao's function by hand for t / a = 0.05 / 1.728: I = 0.0127 at nu 0.48, so 1 + 5 I."""
+    """Gao's function by hand is I = 0.0127 at t / a = 0.05 / 1.728 and nu 0.48, so that the factor is 1 + 5 I."""
     x, nu = 0.05 / 1.728, 0.48
     weight = 2 / np.pi * np.arctan(x)
     weight += ((1 - 2 * nu) * x * np.log((1 + x**2) / x**2) - x / (1 + x**2)) / (2 * np.pi * (1 - nu))
@@ -97,7 +97,7 @@ def test_work_softens_below_the_greatest_work_only():
 
 
 def test_wear_grows_with_touches_of_the_place():
-    """By n / (n + 10) of 20 % after n touches of the same place; none far away."""
+    """Wear is n / (n + 10) of 20 % after n touches of the same place, and none far away."""
     trajectories = [touch(f"t{index}") for index in range(4)] + [touch("far", position=(-0.006, 0.006))]
     found = peaks(played([stated("wear", loss=0.2)], trajectories)) / peaks(played((), trajectories))
     np.testing.assert_allclose(found[:4], [1 - 0.2 * n / (n + 10) for n in range(4)], rtol=1e-9)
@@ -105,7 +105,7 @@ def test_wear_grows_with_touches_of_the_place():
 
 
 def test_a_warm_gel_is_softer_and_higher():
-    """After days of power 10 K: 6 % softer, 12.3 µm higher; right after power-on neither."""
+    """After days of power a gel is 10 K warmer, 6 % softer and 12.3 µm higher; right after power-on it is neither."""
     cold = played([stated("warm_up", rise=10.0)], recordings={"tare": "none", "powered": 0.0}).performance.plays[0]
     assert cold.offset[2] == pytest.approx(0.0, abs=5e-8)
     warm = played([stated("warm_up", rise=10.0)], recordings={"tare": "none", "powered": 1e6}).performance.plays[0]
@@ -125,7 +125,7 @@ def test_a_loose_region_is_softer_sideways_there_only():
 
 
 def test_a_nearer_border_softens_towards_it():
-    """Half a contact radius from it: 1 - 0.5 exp(-0.5); four radii away 1 %."""
+    """The force falls to 1 - 0.5 exp(-0.5) half a contact radius from it, and hardly at 3.5 radii."""
     half, radius = 0.0184 / 2 - 0.003, np.sqrt(0.0008 * (0.004 - 0.0008 / 3))
     for away, left in ((0.5, 1 - 0.5 * np.exp(-0.5)), (3.5, 1 - 0.5 * np.exp(-3.5))):
         trajectories = [touch(position=(half - away * radius, 0.0))]
@@ -134,7 +134,7 @@ def test_a_nearer_border_softens_towards_it():
 
 
 def test_relaxation_decays_at_rest_as_a_power_law():
-    """In a dwell, a decade apart: 10^-alpha, once the loading lies far behind; nothing pulls, air is free."""
+    """In a dwell the force falls by 10^-alpha in a decade, long after loading; nothing pulls, and air is free."""
     dwell = [{"press": {"depth": 0.0008, "step": 0.0008, "speed": 0.02, "settle": 0.0}}, {"dwell": {"time": 12.0}}]
     times, phases, wrench, _, _ = contact_of([stated("relaxation", alpha=0.05)], trajectories=[touch(steps=dwell)])
     start = times[np.flatnonzero(phases == "dwell")[0]]
@@ -207,7 +207,7 @@ THICK = {"D1": {"background": "digit-bg-0", "gel": {"thickness": 0.2}}}
 
 
 def test_adhesion_pulls_off_as_jkr_says():
-    """On a thick gel: sqrt(8 pi E* W a³) = 0.89 N for a flat punch, 1.5 pi W R = 19 mN for a ball; on the way out."""
+    """The pull on a thick gel is sqrt(8 pi E* W a³) = 0.89 N for a flat punch and 1.5 pi W R = 19 mN for a ball."""
     modulus = 0.9e6 / (1 - 0.48**2)
     slow = [{"press": {"depth": 0.0004, "step": 0.0004}}, {"retreat": {"speed": 0.0002}}]
     for indenter, expected in (
@@ -275,7 +275,7 @@ def test_ageing_friction_peaks_at_the_onset_and_more_after_a_longer_rest():
 
 
 def test_shear_strength_limits_the_pull():
-    """A tau tanh(mu N / (A tau)), with the area of the contact by hand."""
+    """The pull is A tau tanh(mu N / (A tau)), with the area of the contact by hand."""
     ratio, (_, phases, wrench, _, _) = plateau(stated("shear_strength", softness=1 / 0.2e6), hidden_friction=0.8)
     area = np.pi * 0.0008 * (0.004 - 0.0008 / 3)
     normal = last(wrench[:, 2], phases, "shear")
@@ -283,7 +283,7 @@ def test_shear_strength_limits_the_pull():
 
 
 def test_many_sliders_give_way_part_by_part():
-    """The same stiffness at first and the same plateau, less in between: half the limit is reached as without."""
+    """Sliders have the same first stiffness and plateau and less between: half the limit is reached as without."""
     ratio, _ = plateau(stated("partial_slip", width=1.0))
     plain, _ = plateau(None)
     first = np.flatnonzero(plain > 0.01 * 0.4)[0]
@@ -363,7 +363,7 @@ def test_a_stem_is_a_spring_in_series_sideways():
 
 
 def test_backlash_is_a_play_of_the_joints():
-    """Never further than half the play from the encoder, unmoved within it; the touch misses by a lever's worth."""
+    """A joint is at most half the play from the encoder, unmoved within it; a touch misses by a lever's worth."""
     angles = np.linspace(0.0, 1e-3, 50)[:, None] * np.ones(6)
     there_and_back = np.concatenate([angles, angles[::-1]])
     out = followed(there_and_back, 2e-4)
@@ -374,7 +374,7 @@ def test_backlash_is_a_play_of_the_joints():
 
 
 def test_a_slide_of_the_layer_solver_takes_hidden_effects_too():
-    """Relaxation and yielding on the layer: the same kernel on its own forces, and balance within half a micrometre."""
+    """Relaxation and yielding act on the layer's own forces, with a balance within half a micrometre."""
     steps = [{"press": {"depth": 0.0004, "step": 0.0004, "settle": 0.0}}, {"dwell": {"time": 0.5}}]
     found = contact_of(
         [stated("arm_compliance", softness=1 / 20e3), stated("relaxation", alpha=0.05)],

@@ -31,7 +31,7 @@ def test_joints_do_not_jump_along_a_path():
 
 @pytest.mark.parametrize("place", [[1.5, 0.0, 0.3], [0.0, 0.0, 0.4]])
 def test_out_of_reach_is_an_error(place):
-    """Too far away, or on the base's axis: a clear error, no NaN."""
+    """A place too far away, or on the base's axis, gives a clear error and no NaN."""
     pose = forward(HOME)[0]
     pose[:3, 3] = place
     with pytest.raises(UsageError, match="out of the UR5e's reach"):

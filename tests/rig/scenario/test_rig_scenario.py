@@ -73,7 +73,7 @@ def test_a_fault_is_named_by_its_place(changes, path):
 
 
 def test_nothing_to_play_is_refused():
-    """Neither trajectories nor generate."""
+    """A scenario with neither trajectories nor generate is refused."""
     document = changed()
     del document["generate"]
     with pytest.raises(SchemaError, match="neither"):
@@ -122,7 +122,7 @@ def test_every_sensor_meets_every_indenter():
 
 
 def test_paired_touches_differ_in_the_sensor_only():
-    """`paired`: the same touch on every sensor, tied by its group."""
+    """`paired` gives the same touch on every sensor, tied by its group."""
     from dataclasses import replace
 
     drawn = touches(load_scenario(changed(generate={"count": 3, "paired": True})))

@@ -24,7 +24,7 @@ def test_nothing_asked_changes_nothing(shown):
 
 
 def test_half_a_turn_mirrors_both_axes(shown):
-    """And no turn is the identity, a turn and its opposite nearly so in the middle."""
+    """Half a turn mirrors both axes, no turn is the identity, and a turn and its opposite nearly so in the middle."""
     half = torch.full((6,), math.pi)
     assert torch.allclose(turned(shown, half), shown.flip(2, 3), atol=1e-3)
     assert torch.allclose(turned(shown, half * 0), shown, atol=1e-5)

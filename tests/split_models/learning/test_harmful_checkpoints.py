@@ -108,7 +108,7 @@ def test_no_text_of_a_file_reaches_the_message(tmp_path):
 
 @pytest.mark.parametrize("lost", ["kind", "settings", "stamps", "topology", "progress"])
 def test_a_checkpoint_without_a_part_of_its_document_is_refused_in_our_words(tmp_path, lost):
-    """Of the right format, yet one entry is missing: that is said, and no KeyError reaches a user."""
+    """A checkpoint of the right format that lacks an entry is refused by name; no KeyError reaches a user."""
     stamps = {"recipe": "", "split": "", "items": "", "topology": ""}
     document = {"format": FORMAT, "kind": "x", "settings": {}, "stamps": stamps, "topology": None, "progress": None}
     del document[lost]

@@ -51,7 +51,7 @@ def test_a_beta_vae_by_hand():
 
 
 def test_emphasis_multiplies_the_squared_errors():
-    """Factors of 3 and 0.5 on errors of 4 and 16: (12 + 8) / 2."""
+    """Factors of 3 and 0.5 on errors of 4 and 16 give (12 + 8) / 2."""
     output = (torch.tensor([[1.0], [6.0]]), torch.zeros(2, 1), torch.zeros(2, 1))
     found = vae_losses(output, torch.tensor([[3.0], [2.0]]), 7.0, torch.tensor([[3.0], [0.5]]))
     assert numbers(found) == pytest.approx({"loss": 10.0, "error": 10.0, "divergence": 0.0})

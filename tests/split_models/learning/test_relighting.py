@@ -86,7 +86,7 @@ def test_exchanging_is_learned_from_backgrounds_alone(lights):
     batch = {"image": torch.as_tensor(lights), "sensor": torch.arange(3)}
     optimiser = torch.optim.Adam(learner.parameters(), lr=3e-3)
     losses = []
-    for _ in range(60):
+    for _ in range(40):
         loss = learner.train()(batch, 0.0)["loss"]
         optimiser.zero_grad()
         loss.backward()

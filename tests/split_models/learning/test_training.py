@@ -97,7 +97,7 @@ def test_interrupted_it_ends_with_the_same_losses(tmp_path):
 
 @pytest.mark.slow
 def test_killed_it_ends_with_the_same_losses(tmp_path):
-    """A process that dies by SIGKILL in the midst of it, and the same call again."""
+    """A process that dies by SIGKILL and the same call again end with the same losses."""
     command = [sys.executable, str(LEARNER)]
     whole = subprocess.run(
         [*command, str(tmp_path / "whole"), "0", "0.2"], capture_output=True, check=True, env=environment()
@@ -118,7 +118,7 @@ def test_killed_it_ends_with_the_same_losses(tmp_path):
 
 @pytest.mark.slow
 def test_two_processes_learn_what_one_learns(tmp_path):
-    """Under torchrun, with two gloo processes: the losses of one process, but for the last digits."""
+    """Two gloo processes under torchrun have the losses of one process, but for the last digits."""
     alone = subprocess.run(
         [sys.executable, str(LEARNER), str(tmp_path / "one"), "0", "0"],
         capture_output=True, check=True, env=environment(),
@@ -186,7 +186,7 @@ def test_a_finished_training_is_read(tmp_path):
 
 
 def test_saved_and_loaded_it_gives_the_same(tmp_path):
-    """Bit by bit, and settings with it."""
+    """A model that was saved and loaded gives the same bit by bit, and has its settings."""
     network = objective().network.eval()
     save_checkpoint(tmp_path / "a.pt", Checkpoint.of(network, STAMPS))
     kept = load_checkpoint(tmp_path / "a.pt")

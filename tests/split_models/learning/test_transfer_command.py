@@ -1,12 +1,12 @@
 """The verb `transfer`: stores and pictures where one looks for them, errors that say what to do, exit codes."""
 
 import json
-import shutil
 
 import cv2
 import numpy as np
 import pytest
 from cli.command import run_command
+from copied_trees import copy_tree
 from small_models import image_vae
 from transfer_stores import write_two_sensors
 
@@ -17,9 +17,9 @@ from tactiledata.store.read.reader import Store
 
 
 @pytest.fixture
-def folder(tiny_store, tmp_path, monkeypatch):
+def folder(short_store, tmp_path, monkeypatch):
     """A working folder with one store of real backgrounds, whose touches the rig recorded."""
-    shutil.copytree(tiny_store, tmp_path / "ds.zarr")
+    copy_tree(short_store, tmp_path / "ds.zarr")
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -84,11 +84,13 @@ def test_the_default_needs_no_model(folder, capsys, monkeypatch):
     assert (folder / "transferred" / "ds-ycb-sensorA-relit.zarr").is_dir()
 
 
-def test_the_default_measures_itself_and_keeps_the_touch(folder, capsys):
+def test_the_default_measures_itself_and_keeps_the_touch(tiny_store, tmp_path, monkeypatch, capsys):
     """What the model draws of the store's own touches and what is kept are printed, in JSON, and stored.
 
-    The bundled model draws the touches of this simulated world: arithmetic has a part in the transfer.
+    The bundled model draws the four touches of the tiny world: arithmetic has a part in the transfer.
     """
+    copy_tree(tiny_store, tmp_path / "ds.zarr")
+    monkeypatch.chdir(tmp_path)
     code, out, err = run_command(capsys, "transfer", "--to", "ycb-sensorA")
     assert code == 0, err
     told = " ".join(out.split())

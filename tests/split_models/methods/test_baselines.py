@@ -61,7 +61,7 @@ def test_published_methods_draw_the_touch(recipe_run):
 
 
 def test_units_are_calibrated_once_each(recipe_run, monkeypatch):
-    """On their own touches, through their own registered view."""
+    """Each unit is calibrated once, on its own touches, through its own registered view."""
     calls = []
 
     class Found:

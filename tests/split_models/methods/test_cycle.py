@@ -30,7 +30,7 @@ def batch(seed=1, count=64):
 
 
 def test_the_loss_is_its_parts():
-    """Nothing but the plain errors without weights; each weight adds its own part."""
+    """Without weights the loss is the plain errors, and each weight adds its own part."""
     network, items = pair(), batch()
     plain = CycleObjective(network, 0.0, 0.0)(items, 0.0)
     both = CycleObjective(network, 2.0, 3.0)(items, 0.0)

@@ -125,7 +125,7 @@ def test_across_is_taxim_on_what_the_mesh_vae_gives_back():
 
 
 def test_nothing_to_calibrate_on_is_refused():
-    """No touches, and touches of nothing."""
+    """No touches, and touches of nothing, are refused."""
     view = View.nominal(DIGIT, SHAPE)
     still = Touch(BACKGROUND, BACKGROUND, np.zeros(TOPOLOGY.places.shape, np.float32))
     for made in (taxim_calibrated, fots_calibrated):

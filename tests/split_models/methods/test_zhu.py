@@ -39,7 +39,7 @@ def network(**changes):
 
 
 def test_it_renders_what_the_rasteriser_draws(renderer):
-    """On a domed gel whose nodes move sideways by 0.8 mm, too: within 5 % of the depth, pixels being 0.5 mm."""
+    """A domed gel whose nodes move sideways by 0.8 mm, too, is drawn within 5 % of the depth, at pixels of 0.5 mm."""
     moved = presses(TOPOLOGY, 3)
     moved[..., 0] += 8e-4
     exact = Indentation(SURFACE, VIEW).of_batch(moved)[:, :, 4:-4]
@@ -50,7 +50,7 @@ def test_it_renders_what_the_rasteriser_draws(renderer):
 
 
 def test_gradients_are_those_of_finite_differences(renderer):
-    """Of an imprint's sum, by single components of single nodes."""
+    """The gradients of an imprint's sum are those of finite differences in single components of single nodes."""
     moved = torch.from_numpy(presses(TOPOLOGY, 1)).double().requires_grad_()
     twice = DepthRenderer(SURFACE, VIEW)
     gain = torch.tensor(1.5)
@@ -115,7 +115,7 @@ def test_it_goes_into_a_checkpoint_and_back():
 
 
 def test_imprints_show_where_a_picture_changed():
-    """Nothing for the background itself; between 0 and 1 where it changed, darker or brighter; one shape only."""
+    """An imprint is 0 for the background and between 0 and 1 where a picture changed; it has one shape only."""
     background = np.full((80, 60, 3), 100, np.uint8)
     picture = background.copy()
     picture[20:40, 20:40, 0] = 220

@@ -48,7 +48,7 @@ def test_mesh_vae_scales_by_a_mean_that_is_not_zero():
     [(0.0, 1, 0.0), (0.25, 1, 0.5), (1.0, 4, 0.5), (4.0, 4, 2.0), (9.0, 4, 2.0), (0.0, 0, 2.0)],
 )
 def test_the_weight_grows_linearly_and_stays(epoch, epochs, weight):
-    """To a final weight of 2: 0 at the start, a quarter after a quarter; over no epochs it is there at once."""
+    """The weight grows from 0 by a quarter of 2 in a quarter of the epochs; over no epochs it is there at once."""
     assert annealed(2.0, epoch, epochs) == weight
 
 

@@ -34,7 +34,7 @@ def test_each_level_has_half_the_vertices(topology):
 
 
 def test_the_laplacian_is_scaled():
-    """Symmetric, eigenvalues in [-1, 1], -1 among them for a connected mesh (the constant mode)."""
+    """It is symmetric with eigenvalues in [-1, 1], -1 among them for a connected mesh (the constant mode)."""
     for laplacian in build_hierarchy(grid_topology()).laplacians:
         dense = laplacian.toarray()
         values = np.linalg.eigvalsh(dense)

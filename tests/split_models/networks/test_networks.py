@@ -25,7 +25,7 @@ def widths(network):
 
 
 def test_image_vae_of_the_paper():
-    """[3, 3, 5, 5, 3, 3] blocks, down by 2, 2, 2, 2, 5 at 320 x 240 x 3, latent 256; the decoder mirrors it."""
+    """It has [3, 3, 5, 5, 3, 3] blocks, down by 2, 2, 2, 2, 5 at 320 x 240 x 3, latent 256; the decoder mirrors it."""
     vae = ImageVae()
     assert [len(stage) for stage in vae.encoder.stages] == [3, 3, 5, 5, 3, 3]
     assert [len(stage) for stage in vae.decoder.stages] == [3, 3, 5, 5, 3, 3][::-1]
@@ -63,7 +63,7 @@ def test_a_vae_without_bounds_is_kept_and_built_again(tmp_path):
 
 
 def test_mesh_vae_of_the_paper():
-    """Four Chebyshev convolutions 16, 16, 16, 32 with K 6, pooling by 2, two linear layers of 128."""
+    """It has four Chebyshev convolutions 16, 16, 16, 32 with K 6, pooling by 2, and two linear layers of 128."""
     topology = grid_topology(20, 20)
     vae = MeshVae(build_hierarchy(topology))
     order = [(layer.mix.in_features, layer.mix.out_features) for layer in vae.encoder.layers]
@@ -76,7 +76,7 @@ def test_mesh_vae_of_the_paper():
 
 
 def test_projections_and_force_heads_of_the_paper():
-    """512, 1024, 1024, 256 both ways, 128, 512, 512, 128 to three forces; dropout after the first two layers."""
+    """Layers are 512, 1024, 1024, 256 both ways, and 128, 512, 512, 128 to three forces; the first two drop out."""
     assert widths(Projection(128, 256)) == [(128, 512), (512, 1024), (1024, 1024), (1024, 256)]
     assert widths(Projection(256, 128)) == [(256, 512), (512, 1024), (1024, 1024), (1024, 256), (256, 128)]
     assert widths(ForceHead(128)) == [(128, 128), (128, 512), (512, 512), (512, 128), (128, 3)]

@@ -41,7 +41,7 @@ def exported(networks, tmp_path_factory):
 
 
 def test_gathers_are_the_sparse_product():
-    """Of every constant matrix of a mesh VAE, empty rows included; the copy leaves the network as it was."""
+    """Gathers are the product of every constant matrix of a mesh VAE; the copy leaves the network as it was."""
     vae = mesh_vae()
     copied = with_gathers(vae)
     maps = [one for one in vae.modules() if isinstance(one, SparseMap)]
@@ -58,7 +58,7 @@ def test_gathers_are_the_sparse_product():
 @pytest.mark.slow
 @pytest.mark.parametrize("count", [1, 5])
 def test_both_ways_agree_with_pytorch(networks, exported, count):
-    """Latent vectors and meshes within 1e-4 of the largest value, pictures by a grey level of rounding at most."""
+    """Latent vectors and meshes agree within 1e-4 of the largest value, pictures within a grey level of rounding."""
     image, mesh, forth, back = networks
     models = OnnxModels(exported)
     assert max(models.document["difference"].values()) < TOLERANCE
@@ -77,7 +77,7 @@ def test_both_ways_agree_with_pytorch(networks, exported, count):
 
 
 def test_what_does_not_fit_is_refused(tmp_path):
-    """Another mesh, NaN, another picture size, no folder, another format, a missing network."""
+    """Another mesh, NaN, another picture size, no folder, another format and a missing network are refused."""
     files = {"mesh_encoder": {"input": "displacements", "output": "latent"}}
     document = {"format": "tactiledata-onnx/1", "image_size": [40, 30], "vertices": 204, "files": files}
     models = OnnxModels(tmp_path, document)

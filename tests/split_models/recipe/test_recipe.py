@@ -16,7 +16,7 @@ def written(folder, document, name="r.yaml"):
 
 
 def test_what_is_left_out_is_as_in_the_paper(tmp_path):
-    """Sizes, weights, rates and batches of the paper's appendix."""
+    """Sizes, weights, rates and batches are those of the paper's appendix."""
     document = {"format": "tactiledata-recipe/1", "title": "t", "data": {"store": "ds.zarr"}}
     recipe = load_recipe(written(tmp_path, document), "paper")
     models = recipe.models
@@ -59,13 +59,13 @@ def test_defaults_fit_the_schema():
     ],
 )
 def test_unknown_words_are_refused(tmp_path, change, path):
-    """With their place in the document."""
+    """Unknown words are refused with their place in the document."""
     with pytest.raises(SchemaError, match=path):
         load_recipe(written(tmp_path, {**tiny_recipe("ds.zarr", "mesh"), **change}))
 
 
 def test_scales_and_included_recipes_are_laid_over(tmp_path):
-    """The included one below, the recipe over it, its scale on top; lists replace."""
+    """The recipe lies over the included one, and its scale on top; lists replace."""
     below = tiny_recipe("ds.zarr", "mesh")
     del below["table"]
     below["scales"] = {"small": {"seed": 7, "data": {"image_size": [80, 60]}}}
@@ -110,7 +110,7 @@ def test_data_are_named_once(tmp_path):
 @pytest.mark.parametrize("name", bundled_recipes())
 @pytest.mark.parametrize("scale", SCALES)
 def test_bundled_recipes_load(name, scale):
-    """At both scales; those of tables share one backbone."""
+    """Bundled recipes load at both scales, and those of tables share one backbone."""
     recipe = load_recipe(name, scale)
     assert recipe.name == name
     if recipe.table:

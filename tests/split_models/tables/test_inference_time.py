@@ -39,7 +39,7 @@ FINER = GridPlan(8, 9, 0.8e-3, (4.8e-3, 5.6e-3), (0.0, 0.4, 0.8, 1.0))
     ids=lambda method: method.name,
 )
 def test_steps_together_are_the_method(method):
-    """One after the other they draw what `predict` draws."""
+    """The steps one after the other draw what `predict` draws."""
     moved = presses(TOPOLOGY, 1)
     found = moved
     for _, step in steps_of(method, BACKGROUND):

@@ -15,7 +15,7 @@ def score(value, **more):
 
 
 def test_cells_say_what_is_known():
-    """A value, its interval or its deviation over seeds, and a dash for nothing."""
+    """A cell has a value, its interval or its deviation over seeds, and a dash for nothing."""
     assert cell(score(0.123456)) == "0.1235"
     assert cell(score(0.5, low=0.4, high=0.6)) == "0.5 [0.4, 0.6]"
     assert cell(score(0.5, low=None, high=None)) == "0.5"
@@ -44,7 +44,7 @@ def test_the_page_has_every_part_and_the_papers_own_figures_apart(tmp_path):
 
 
 def test_seeds_are_counted_by_row():
-    """Where rows differ in how many there were, which had how many."""
+    """Rows that differ in their number of seeds say how many each had."""
     one, other = ({"value": 1.0, "unit": "N", "better": "lower", "seeds": count, "deviation": 0.1} for count in (3, 20))
     document = result_document(load_recipe("table_force"), [row("test", "raw_mesh", fx=one)], "d" * 64)
     assert "## test: mean and standard deviation over seeds: 3\n" in markdown(document)

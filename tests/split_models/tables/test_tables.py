@@ -2,7 +2,6 @@
 
 import json
 import os
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -12,6 +11,7 @@ import numpy as np
 import pytest
 import torch
 import yaml
+from copied_trees import copy_tree
 from touch_world import UNSEEN, coarse_replay, tiny_recipe
 
 from split_models.learning.checkpoint import load_checkpoint
@@ -30,7 +30,7 @@ from tactiledata.store.read.reader import Store
 
 @pytest.fixture(scope="module")
 def out(tmp_path_factory):
-    """Where all recipes of this module work: they share their models."""
+    """A folder for all recipes of this module: they share their models."""
     return tmp_path_factory.mktemp("runs")
 
 
@@ -71,7 +71,7 @@ def test_frames_are_those_of_the_store(touch_store):
 
 
 def test_pictures_of_several_sets_keep_their_places(touch_store):
-    """Any order of numbers over two sets and the backgrounds behind them."""
+    """Any order of numbers over two sets and the backgrounds behind them gives the right pictures."""
     train = TouchFrames(touch_store, "default/train", size=(40, 30))
     val = TouchFrames(touch_store, "default/val", size=(40, 30))
     items = PictureItems([train, val], background_copies=2)
@@ -86,7 +86,7 @@ def test_pictures_of_several_sets_keep_their_places(touch_store):
 
 @pytest.mark.slow
 def test_the_table_of_pictures_from_nothing(touch_store, out, monkeypatch, capsys):
-    """Every row on both parts, full frame and in contact, with intervals; the second run trains nothing."""
+    """The table has every row on both parts, full frame and in contact; the second run trains nothing."""
     path = recipe_file(out, touch_store, "digit_images")
     code, printed, err = command(monkeypatch, capsys, "run", path, "--out", out, "--json")
     assert code == 0, err
@@ -179,7 +179,7 @@ def test_bad_data_are_said_before_anything_is_learned(touch_store, tmp_path, tin
     with pytest.raises(MissingSplit):
         TouchFrames(touch_store, "train")
     bare = tmp_path / "bare.zarr"
-    shutil.copytree(touch_store, bare)
+    copy_tree(touch_store, bare)
     manifest = json.loads((bare / "manifest.json").read_text())
     manifest["references"] = {}
     write_manifest(bare, manifest)
@@ -201,7 +201,7 @@ def test_weights_of_another_state_are_refused(touch_store, tmp_path, out):
     from tactiledata.splits.make import make_split
 
     place = tmp_path / "ds.zarr"
-    shutil.copytree(touch_store, place)
+    copy_tree(touch_store, place)
     first = recipe_run(tmp_path, place, tmp_path / "out")
     assert first.mesh_vae.topology == first.topology.digest
     replay(place, coarse_replay(material=GelMaterial(0.8e6, 0.45, 0.8)), replace=True)

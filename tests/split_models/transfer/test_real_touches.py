@@ -43,7 +43,7 @@ def default(samples):
 
 @pytest.mark.parametrize("target", TARGETS)
 def test_the_default_keeps_real_touches(default, samples, target):
-    """Strength 0.85 to 1.15, correlation at least 0.9, mask overlap at least 0.75, on targets never trained on."""
+    """Strength is 0.85 to 1.15, correlation at least 0.9, mask overlap at least 0.75, on targets never trained on."""
     for kept in kept_by(default, samples, load_background(target)):
         assert kept.frames
         assert STRENGTH[0] <= kept.strength <= STRENGTH[1], kept

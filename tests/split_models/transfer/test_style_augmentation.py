@@ -24,7 +24,7 @@ def batch_of(dataset, numbers):
 
 
 def test_a_frame_is_moved_alike_in_any_batch(dataset):
-    """By seed, epoch and frame alone: in another order, in another batch; another epoch or seed draws anew."""
+    """A frame's style follows from seed, epoch and frame alone, in any batch; another epoch or seed draws anew."""
     augment = StyleAugmentation(dataset, TARGETS, seed=3)
     one, other = augment(batch_of(dataset, range(12)), 2), augment(batch_of(dataset, [7, 3]), 2)
     assert torch.equal(other["digit"][0], one["digit"][7])
@@ -71,7 +71,7 @@ def test_floats_stay_floats(touch_store, dataset):
     ],
 )
 def test_what_is_tested_on_is_no_style(dataset, targets, says):
-    """By the sensor's name, or by its picture under another name."""
+    """A tested sensor is no style, by its name, or by its picture under another name."""
     with pytest.raises(UsageError, match=says):
         StyleAugmentation(dataset, targets)
 

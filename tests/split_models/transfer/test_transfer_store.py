@@ -3,12 +3,12 @@
 import hashlib
 import json
 import os
-import shutil
 import signal
 
 import numpy as np
 import pyarrow as pa
 import pytest
+from copied_trees import copy_tree
 from transfer_stores import MOMENTS, write_two_sensors
 
 from split_models.transfer.pixels import PIXEL_TRANSFERS
@@ -49,7 +49,7 @@ def made(source, target, tmp_path_factory):
 
 
 def test_every_touch_is_there_once(source, made):
-    """Frames of trajectories with a whole picture, in their order, with the parents' times and forces."""
+    """Frames of trajectories with a whole picture are there in order, with the parents' times and forces."""
     rows = made.frame_values("parent_row")[:, 0].astype(int)
     frames = source.frames()
     expected = [
@@ -181,7 +181,7 @@ def test_a_store_of_children_alone_is_drawn_as_its_parents(source, made, tmp_pat
     options = {"fractions": (0.5, 0.25, 0.25), "hold_out": "none"}
     copies = {}
     for name, store in (("parents", source), ("children", made)):
-        shutil.copytree(store.location, tmp_path / name)
+        copy_tree(store.location, tmp_path / name)
         copies[name] = Store.open(tmp_path / name)
         make_split(copies[name], **options)
     parts = {name: _parts(store) for name, store in copies.items()}
@@ -260,13 +260,13 @@ def test_again_adds_nothing_and_new_recordings_are_added(source, target, tmp_pat
 def test_another_method_into_the_same_store_is_refused(source, target, made, tmp_path):
     """Another method, another background or other sensors do not mix in one store; nor do recordings."""
     out = tmp_path / "t1.zarr"
-    shutil.copytree(made.location, out)
+    copy_tree(made.location, out)
     before = files(out)
     brighter = Target("T1", target.background + np.uint8(1), "made", model="gelsight_r15")
     for method, goal in ((PIXEL_TRANSFERS["reinhard"], target), (SWAP, brighter)):
         with pytest.raises(UsageError, match="with other settings than now"):
             transfer_store(source, goal, method, out)
-    shutil.copytree(source.location, tmp_path / "recorded.zarr")
+    copy_tree(source.location, tmp_path / "recorded.zarr")
     with pytest.raises(UsageError, match="holds the recording run0"):
         transfer_store(source, target, SWAP, tmp_path / "recorded.zarr")
     with pytest.raises(UsageError, match="into itself"):
@@ -315,7 +315,7 @@ def test_a_store_without_whole_pictures_is_said_so(target, tmp_path):
 def test_damage_is_not_carried_on(source, target, tmp_path, path):
     """Facts, attributes or numbers that were changed or lost would get checksums that fit in the store that is made."""
     folder = tmp_path / "ds.zarr"
-    shutil.copytree(source.location, folder)
+    copy_tree(source.location, folder)
     place = folder / path
     if place.suffix == ".json":
         place.write_bytes(place.read_bytes().replace(b"e", b"a", 1))

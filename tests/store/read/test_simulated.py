@@ -1,10 +1,10 @@
 """What is simulated says so on every page, in every table and every document, and nothing else ever does."""
 
-import shutil
 from pathlib import Path
 
 import pytest
 import yaml
+from copied_trees import copy_tree
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -24,7 +24,7 @@ TERM = "simulated recordings"
 
 def restated(folder, place, contact):
     """A copy of a folder log of which the description states another thing of its contacts, or nothing."""
-    copy = Path(shutil.copytree(folder, place))
+    copy = copy_tree(folder, place)
     document = yaml.safe_load((copy / "log.yaml").read_text())
     if contact is None:
         del document["recorded_by"]
@@ -32,15 +32,6 @@ def restated(folder, place, contact):
         document["recorded_by"]["contact"] = contact
     (copy / "log.yaml").write_text(yaml.safe_dump(document, sort_keys=False))
     return copy
-
-
-@pytest.fixture(scope="module")
-def unstated(tiny_folders, tmp_path_factory):
-    """A store of the same two recordings, which do not state what they are."""
-    place = tmp_path_factory.mktemp("unstated")
-    logs = [restated(folder, place / folder.name, None) for folder in tiny_folders]
-    ingest(logs, place / "ds.zarr")
-    return place / "ds.zarr"
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ BACKGROUNDS = sorted((Path(__file__).parents[3] / "tactiledata" / "sensors" / "d
 
 
 def test_both_decoders_agree_to_the_bit():
-    """On 18 real DIGIT pictures, and on grey and otherwise sampled JPEG files."""
+    """Both decoders agree on 18 real DIGIT pictures, and on grey and otherwise sampled JPEG files."""
     files = [path.read_bytes() for path in BACKGROUNDS]
     picture = decode_rgb(files[0])
     for sampling in (cv2.IMWRITE_JPEG_SAMPLING_FACTOR_444, cv2.IMWRITE_JPEG_SAMPLING_FACTOR_420):

@@ -1,10 +1,9 @@
 """Names of target sensors: the store's own, an imported YCB-Slide, bundled pictures, and near names for the rest."""
 
-import shutil
-
 import cv2
 import numpy as np
 import pytest
+from copied_trees import copy_tree
 from generators import ycb_slide
 
 from tactiledata.errors import UnknownName
@@ -53,7 +52,7 @@ def test_without_the_corpus_bundled_pictures_stand_in(tiny_store, elsewhere):
 
 def test_an_imported_corpus_beside_the_store_is_taken(tiny_store, corpus, elsewhere):
     """With YCB-Slide in the working folder, A is its unit 0; its unit 4 was not imported, so B stays bundled."""
-    shutil.copytree(corpus, elsewhere / "ycb.zarr")
+    copy_tree(corpus, elsewhere / "ycb.zarr")
     (elsewhere / "broken.zarr").mkdir()
     store = Store.open(tiny_store)
     target = find_target("ycb-sensorA", store)
@@ -71,7 +70,7 @@ def test_an_imported_corpus_beside_the_store_is_taken(tiny_store, corpus, elsewh
 def test_an_imported_unit_with_a_picture_of_its_own(corpus, elsewhere):
     """A picture that was added to the corpus's unit goes before the median of its frames."""
     own = elsewhere / "own.zarr"
-    shutil.copytree(corpus, own)
+    copy_tree(corpus, own)
     cv2.imwrite(str(elsewhere / "empty.png"), np.full((32, 24, 3), 90, np.uint8))
     add_sensor(own, "ycb-slide-bg0", elsewhere / "empty.png", licence="CC0", source="my desk")
     target = find_target("ycb-sensorA", Store.open(own))

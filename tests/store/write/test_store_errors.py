@@ -166,7 +166,7 @@ def test_read_only_folder(tmp_path: Path) -> None:
 
 
 def test_lock_that_cannot_be_opened(tmp_path: Path) -> None:
-    """Where the lock file cannot be made, the error is the store's."""
+    """A lock file that cannot be made gives the store's own error."""
     create(tmp_path, SMALL)
     (tmp_path / ".lock").unlink()
     (tmp_path / ".lock").mkdir()
@@ -303,7 +303,7 @@ def test_staging_names_are_digests(tmp_path: Path) -> None:
 
 
 def test_sensor_conflict_is_a_finding_and_first_wins(tmp_path: Path) -> None:
-    """The same serial with another model or another gel: said once a recording, nothing overwritten, gaps filled."""
+    """Another model or gel of a known serial is said once a recording; nothing is overwritten, and gaps are filled."""
     create(tmp_path, SMALL)
     takes = [
         staged_take(tmp_path, 2, sensors={"D1": {"power_on_ns": [1]}})[0],
