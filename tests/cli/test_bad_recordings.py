@@ -27,13 +27,13 @@ def empty_file(bench):
     return bench.ingest(bench.mcap)
 
 
-@case(1, "no recording")
+@case(1, "not a recording")
 def folder_without_recordings(bench):
     (bench.folder / "nothing").mkdir()
     return bench.ingest(bench.folder / "nothing")
 
 
-@case(1, "no recording")
+@case(1, "not a recording")
 def a_text_file(bench):
     (bench.folder / "notes.txt").write_text("pressed it a few times")
     return bench.ingest(bench.folder / "notes.txt")
