@@ -23,7 +23,7 @@ def register(app: typer.Typer) -> None:
 
 
 def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
-    """Show recordings, sensors, signals and splits of a store, and what comes next.
+    """Show what a store holds, and what comes next.
 
     Example: tactiledata info ds.zarr
     """
