@@ -122,7 +122,7 @@ class Refits:
         def score_of(fit: JointFit, out: GroupedCosts) -> ScoredCandidate:
             counted = thresholds.counted(len(self.whitened.starts))
             scored = score_candidate(self.base, fit, base_out, out, float(expected.sum()), dispersion, counted)
-            return replace(scored, evidence=scored.evidence - counted * self.size_penalty / dispersion)
+            return with_penalty(scored, counted * self.size_penalty / dispersion)
 
         # scores and decision
         scored = [score_of(fit, out) for fit, out in zip((*singles, *pairs), outs, strict=True)]
@@ -216,3 +216,19 @@ class Refits:
 def _cost_to_beat(fits: Sequence[JointFit]) -> float:
     """Least cost of fits whose numbers are plausible; infinite where there is none."""
     return min((fit.cost for fit in fits if not range_checks(fit)[0]), default=np.inf)
+
+
+def with_penalty(candidate: ScoredCandidate, penalty: float) -> ScoredCandidate:
+    """Return a candidate with less evidence; trajectories lose of it in proportion to what they contribute.
+
+    Parameters
+    ----------
+    candidate : ScoredCandidate
+        The candidate.
+    penalty : float
+        What is subtracted from its evidence, at least 0.
+    """
+    each = candidate.evidence_per_trajectory
+    total = float(each.sum())
+    share = 1.0 - min(penalty, total) / total if total > 0 else 1.0
+    return replace(candidate, evidence=candidate.evidence - penalty, evidence_per_trajectory=share * each)

@@ -23,7 +23,7 @@ from tactiledata.diagnose.naming.decide import NONE, OTHER, decide, needed_of, t
 from tactiledata.diagnose.naming.identifiability import Identifiability
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.naming.parameters import joint_model
-from tactiledata.diagnose.naming.refit import Refits
+from tactiledata.diagnose.naming.refit import Refits, with_penalty
 from tactiledata.diagnose.naming.remaining_structure import RemainingStructure
 from tactiledata.diagnose.naming.screen import Screened
 from tactiledata.diagnose.naming.strength import Strength
@@ -71,6 +71,15 @@ def test_far_more_of_what_cannot_be_claimed_takes_a_claim_away():
         evidence = MUCH + lead * T.tie_margin(MUCH)
         other = with_evidence(OTHER_EASY, evidence, change=along(0), implausible=("x = 3 s",))
         assert decided([best, other]).verdict is verdict
+
+
+def test_a_penalty_is_shared_by_the_trajectories():
+    """Half of the evidence is taken from each trajectory; without the two best, 23 of 25 parts of the half remain."""
+    one = with_evidence(EASY, 100.0)
+    found = with_penalty(one, 50.0)
+    assert found.evidence == pytest.approx(50.0)
+    assert found.evidence_without_best_two == pytest.approx(50.0 * 23 / 25)
+    assert with_penalty(one, 130.0).evidence_per_trajectory == pytest.approx(0.0)
 
 
 def test_what_errors_of_the_simulation_can_bring_does_not_rank_an_effect():
