@@ -92,7 +92,7 @@ def main() -> None:
 
 
 def _off(found: float, truth: float) -> str:
-    """By how many per cent a number is off."""
+    """Return by how many per cent a number differs from the truth, in words."""
     return f"{100 * (found / truth - 1):+.1f} %"
 
 

@@ -31,7 +31,7 @@ def lines(counts, sides):
 
 
 def test_it_shares_nothing_with_the_simulation_and_the_other_generators():
-    """Of the package it imports the interface to the rig and how files are kept, and nothing else."""
+    """The world of elements imports from the package only the interface to the rig and how files are kept."""
     found = set()
     for source in FOLDER.glob("*.py"):
         for node in ast.walk(ast.parse(source.read_text("utf-8"))):

@@ -257,7 +257,7 @@ def test_an_unknown_shape_is_refused():
     [("sphere", {"radius": 3e-3}, 0.6, 0.02), ("cylinder_flat", {"radius": 2e-3}, 0.4, 0.04)],
 )
 def test_forces_are_converged(shape, sizes, depth, bound):
-    """On a grid 1.4 times as fine a ball's forces differ by at most 2 %, a punch's by at most 4 %."""
+    """Forces of a ball change by at most 2 %, those of a punch by at most 4 %, on a grid 1.4 times as fine."""
     travel = travel_of([(0, 0, -0.2), (0, 0, depth), (0.2, 0, depth)], shape, sizes)
     gel = GelPad((12.0, 12.0), 4.1, 0.476, 0.62)
     usual, fine = (solve_touch(gel, travel, finer).wrench for finer in (1.0, 1.4))

@@ -65,7 +65,7 @@ def test_an_odd_picture_is_said(kind, log, capsys):
 
 
 def test_one_stray_size_keeps_no_dataset_from_the_others(log, capsys):
-    """Of 48 pictures one has another size: the dataset gives the other 47, and the finding speaks of one."""
+    """The dataset leaves out the one of 48 pictures that has another size, and the finding speaks of one."""
     save(log / "frames" / "t3_2.png", noise((100, 80, 3)))
     _, said = ingested(capsys, log)
     store = log.parent / "ds.zarr"
@@ -113,7 +113,7 @@ def test_any_letter_of_a_document_that_turns_is_damage(document, log, capsys):
 
 
 def test_a_synthetic_set_is_called_synthetic_wherever_it_stands(tmp_path, tiny_store, capsys, monkeypatch):
-    """In every row of `score` what was transferred is synthetic, as the first of the two and as the second."""
+    """Transferred pictures are called synthetic in every row of `score`, in the first and in the second place."""
     monkeypatch.chdir(tmp_path)
     method = ("--method", "background-swap")
     for command in (

@@ -87,11 +87,8 @@ def with_estimated_own_sizes(whitened: WhitenedTouches, fit: JointFit) -> Whiten
     """
     found = {}
     for name, touches in _by_indenter(whitened, fit).items():
-        best = minimize_scalar(
-            lambda logarithm, touches=touches: _cost(touches, logarithm),
-            bounds=(np.log(SMALLEST), np.log(LARGEST)),
-            method="bounded",
-        )
+        bounds = np.log(SMALLEST), np.log(LARGEST)
+        best = minimize_scalar(_cost, args=(touches,), bounds=bounds, method="bounded")
         found[name] = float(np.exp(best.x))
     return replace(whitened, own=whitened.own.with_sizes(found))
 
@@ -111,7 +108,7 @@ def own_size_penalty(whitened: WhitenedTouches, fit: JointFit, sizes: Mapping[st
     change = 0.0
     for name, touches in _by_indenter(whitened, fit).items():
         now, other = whitened.own.size(name), sizes.get(name, 1.0)
-        change += _cost(touches, np.log(other)) - _cost(touches, np.log(now))
+        change += _cost(np.log(other), touches) - _cost(np.log(now), touches)
     return max(0.0, 0.5 * change)
 
 
@@ -136,20 +133,22 @@ class _Touch:
     square: float
     is_factor: Array
 
+    def at(self, size: float) -> tuple[Array, Array]:
+        """Return the precision (r, r) of the unknowns, in standard deviations at a size, and the pull (r,) on them."""
+        scale = np.where(self.is_factor, size, 1.0)
+        return np.eye(len(scale)) + self.gram * np.outer(scale, scale), self.toward * scale
+
     def posterior_mean(self, size: float) -> Array:
         """Return the mean (r,) of the unknowns given the residual, in standard deviations, at a size."""
-        scale = np.where(self.is_factor, size, 1.0)
-        covariance = np.eye(len(scale)) + self.gram * np.outer(scale, scale)
-        mean: Array = np.linalg.solve(covariance, self.toward * scale)
+        precision, pull = self.at(size)
+        mean: Array = np.linalg.solve(precision, pull)
         return mean
 
     def cost(self, size: float) -> float:
         """Return twice the negative logarithm of the marginal likelihood, up to a constant, at a size."""
-        scale = np.where(self.is_factor, size, 1.0)
-        covariance = np.eye(len(scale)) + self.gram * np.outer(scale, scale)
-        toward = self.toward * scale
-        determinant = float(np.linalg.slogdet(covariance)[1])
-        return self.square - float(toward @ np.linalg.solve(covariance, toward)) + determinant
+        precision, pull = self.at(size)
+        determinant = float(np.linalg.slogdet(precision)[1])
+        return self.square - float(pull @ np.linalg.solve(precision, pull)) + determinant
 
 
 def _touches(whitened: WhitenedTouches, fit: JointFit) -> list[_Touch]:
@@ -174,7 +173,7 @@ def _by_indenter(whitened: WhitenedTouches, fit: JointFit) -> dict[str, list[_To
     return found
 
 
-def _cost(touches: Sequence[_Touch], logarithm: float) -> float:
+def _cost(logarithm: float, touches: Sequence[_Touch]) -> float:
     """Twice the negative logarithm of the likelihood of trajectories and of the prior, at a size's logarithm."""
     size = float(np.exp(logarithm))
     return sum(touch.cost(size) for touch in touches) + (logarithm / DOUBT) ** 2
