@@ -141,8 +141,7 @@ class _Touch:
     def posterior_mean(self, size: float) -> Array:
         """Return the mean (r,) of the unknowns given the residual, in standard deviations, at a size."""
         precision, pull = self.at(size)
-        mean: Array = np.linalg.solve(precision, pull)
-        return mean
+        return np.asarray(np.linalg.solve(precision, pull), dtype=np.float64)
 
     def cost(self, size: float) -> float:
         """Return twice the negative logarithm of the marginal likelihood, up to a constant, at a size."""
