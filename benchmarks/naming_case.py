@@ -12,8 +12,9 @@ from naming_plan import Plan
 from naming_zeros import Log, readings_of, weight_since_zero, zeros_of
 from numpy.typing import NDArray
 
-from tactiledata.calibrate.touches import MeasuredTouch
+from tactiledata.calibrate.touches import ForceReadings, MeasuredTouch
 from tactiledata.contract.take import StoredSignal
+from tactiledata.diagnose.touches.rest_means import FrameWrenches, means_at_rest, rest_spans
 from tactiledata.diagnose.touches.touch_case import BaseFamily, TouchCase, TouchSet
 from tactiledata.diagnose.zeros.readings import ForceZeros
 from tactiledata.effects.touch.imprint import ImprintTable, strongest_imprint
@@ -84,7 +85,7 @@ def told_touches(log: Log, plan: Plan) -> list[Touch]:
     gel_from_ft = (robot.tcp_from_gel.inverse() @ robot.tcp_from_ft).matrix
     found: list[Touch] = []
     tables = {name: ImprintTable.of(indenter) for name, indenter in log.rig_setup.indenters.items()}
-    for play, (_, mounted) in zip(performance.plays, performance.poses, strict=True):
+    for play, mounted in _mounted(log):
         host = frame_times(play)
         tcp = performance.tcp(host)
         base_from_gel = tcp @ robot.tcp_from_gel.matrix
@@ -107,7 +108,7 @@ def told_touches(log: Log, plan: Plan) -> list[Touch]:
             earlier_depth=_as_deep(poses, play.touch.indenter, earlier, tables),
             earlier_contacts=np.full(len(host), float(sum(_is_beside(other, play) for other in earlier))),
             tare=(commanded < -CLEAR) & (seconds < seconds[int(np.argmax(commanded))]),
-            **_moves(log, play, mounted, host),
+            **moved_until(seconds, *_way(log, play, mounted)),
             gel_from_sensor=np.tile(gel_from_ft, (len(host), 1, 1)),
             sensor_weight=weight_since_zero(log, host),
         )
@@ -115,13 +116,18 @@ def told_touches(log: Log, plan: Plan) -> list[Touch]:
     return found
 
 
-def _moves(log: Log, play: PlayedTrajectory, mounted: Transform, host: Times) -> dict[str, Array]:
-    """How the tip moved until each frame, from the stream of poses."""
-    dense = np.arange(0.0, play.path.duration, 1.0 / POSES)
-    tcp = log.performance.tcp(play.start_ns + np.rint(dense * 1e9).astype(np.int64))
-    base_from_gel = tcp @ log.rig_setup.scenario.robot.tcp_from_gel.matrix
+def _mounted(log: Log) -> list[tuple[PlayedTrajectory, Transform]]:
+    """Touches of a log, with where their indenter was."""
+    performance = log.performance
+    return [(play, mounted) for play, (_, mounted) in zip(performance.plays, performance.poses, strict=True)]
+
+
+def _way(log: Log, play: PlayedTrajectory, mounted: Transform) -> tuple[Array, Array]:
+    """Times (m,), s from the log's start, and positions (m, 3), m, of the tip, as the stream of poses has them."""
+    host = play.start_ns + np.rint(np.arange(0.0, play.path.duration, 1.0 / POSES) * 1e9).astype(np.int64)
+    base_from_gel = log.performance.tcp(host) @ log.rig_setup.scenario.robot.tcp_from_gel.matrix
     places = (np.linalg.inv(base_from_gel) @ mounted.matrix)[:, :3, 3]
-    return moved_until((host - play.start_ns) * 1e-9, dense, places)
+    return (host - log.performance.start_ns) * 1e-9, places
 
 
 def _as_deep(poses: Array, name: str, earlier: Sequence[Touch], tables: Mapping[str, ImprintTable]) -> Array:
@@ -150,14 +156,20 @@ def to_play(touches: Sequence[Touch]) -> list[MeasuredTouch]:
 
 @dataclass(frozen=True)
 class Recorded:
-    """Contact wrenches at the frames (n, 6) of each touch, samples in free air before it (m, 6), where all frames lie
-    between two samples (f,), and the zeros of all touches.
+    """Contact wrenches at the frames of each touch, averaged where the tip stands and interpolated (n, 6), samples in
+    free air before it (m, 6), where all frames lie between two samples (f,), and the zeros of all touches.
     """
 
-    wrenches: list[Array]
+    at_frames: list[FrameWrenches]
+    interpolated: list[Array]
     free: list[Array]
     fractions: Array
     zeros: ForceZeros
+
+    @property
+    def wrenches(self) -> list[Array]:
+        """Wrenches (n, 6) of each touch, averaged where the tip stands."""
+        return [one.wrench for one in self.at_frames]
 
 
 @dataclass(frozen=True)
@@ -172,6 +184,8 @@ class Maker:
         As told, of all logs.
     rows : list of (n,) bool
         Frames of each that are used.
+    ways : list of ((m,) s, (m, 3) m)
+        Positions of the tip of each at the rate of the stream of poses.
     solve : callable, optional
         The contact of a touch; the bank's where ``None``.
     noise : float
@@ -182,6 +196,7 @@ class Maker:
     bank: ContactBank
     touches: list[Touch]
     rows: list[NDArray[np.bool_]]
+    ways: list[tuple[Array, Array]]
     solve: SolveContact | None = None
     noise: float = 1.0
 
@@ -192,7 +207,8 @@ class Maker:
         logs = play_logs(scenario, unfelt)
         told = [touch for log in logs for touch in told_touches(log, plan)]
         rows = [np.ones(len(touch), dtype=bool) for touch in told]
-        return Maker(plan, ContactBank(folder, plan.pitch, logs[0].rig_setup.indenters), told, rows)
+        ways = [_way(log, *played) for log in logs for played in _mounted(log)]
+        return Maker(plan, ContactBank(folder, plan.pitch, logs[0].rig_setup.indenters), told, rows, ways)
 
     def keeping(self, rows: list[NDArray[np.bool_]]) -> Maker:
         """The same with some of the frames: those that the gel engine could solve."""
@@ -214,9 +230,13 @@ class Maker:
         scenario = replace(scenario, imperfections=replace(scenario.imperfections, **noise))
         logs = [(log, readings_of(log)) for log in play_logs(scenario, self.solve or self.bank.contact)]
         stored = [touch for log, readings in logs for touch in _as_stored(log, *readings)]
-        wrenches = [touch.wrench[rows] for touch, rows in zip(stored, self.rows, strict=True)]
+        interpolated = [touch.wrench[rows] for touch, rows in zip(stored, self.rows, strict=True)]
+        at_frames = [
+            means_at_rest(touch.seconds, wrench, rest_spans(touch.seconds, *way), one.readings)
+            for touch, wrench, way, one in zip(self.touches, interpolated, self.ways, stored, strict=True)
+        ]
         fractions = np.concatenate([touch.fractions for touch in stored])
-        return Recorded(wrenches, [touch.free for touch in stored], fractions, zeros_of(logs))
+        return Recorded(at_frames, interpolated, [touch.free for touch in stored], fractions, zeros_of(logs))
 
     def cases(self, recorded: Recorded, base: BaseFamily) -> TouchSet:
         """The trajectories of a case, with their noise as a calibration estimates it."""
@@ -224,16 +244,14 @@ class Maker:
         steps = np.concatenate([np.diff(touch.seconds) for touch in self.touches])
         noise = noise_at_rest(stretches, max(1, round(100.0 * float(np.median(steps)))), recorded.fractions)
         assert noise is not None
-        return TouchSet(
-            [
-                TouchCase(touch, wrench, noise, _is_clear(touch), float(len(free)), f"t{number}")
-                for number, (touch, wrench, free) in enumerate(
-                    zip(self.touches, recorded.wrenches, recorded.free, strict=True)
-                )
-            ],
-            base,
-            self.plan.bounds,
-        )
+        cases = []
+        for number, (touch, way, one, free) in enumerate(
+            zip(self.touches, self.ways, recorded.at_frames, recorded.free, strict=True)
+        ):
+            read = replace(touch, seconds=one.seconds, **moved_until(one.seconds, *way))
+            factors = noise.mean_factors(one.readings)
+            cases.append(TouchCase(read, one.wrench, noise, _is_clear(read), float(len(free)), f"t{number}", factors))
+        return TouchSet(cases, base, self.plan.bounds)
 
 
 def _part(touch: Touch, rows: NDArray[np.bool_]) -> Touch:
@@ -242,11 +260,12 @@ def _part(touch: Touch, rows: NDArray[np.bool_]) -> Touch:
 
 
 class StoredTouch(NamedTuple):
-    """What a store holds of a touch: wrenches at its frames (n, 6), readings in free air (m, 6), and where the frames
-    lie between two readings (f,).
+    """What a store holds of a touch: wrenches at its frames (n, 6), all readings, those in free air (m, 6), and where
+    the frames lie between two readings (f,).
     """
 
     wrench: Array
+    readings: ForceReadings
     free: Array
     fractions: Array
 
@@ -261,7 +280,9 @@ def _as_stored(log: Log, wrench: StoredSignal, tcp: StoredSignal) -> list[Stored
         rows = slice(*np.searchsorted(contact.t_ns, [play.start_ns, play.end_ns]))
         times = frame_times(play)
         fractions = fractions_between(contact.t_ns[rows], times)
-        found.append(StoredTouch(align(contact, times).values, _before_touch(contact.values[rows]), fractions))
+        seconds, values = (contact.t_ns[rows] - performance.start_ns) * 1e-9, contact.values[rows]
+        readings = ForceReadings(seconds, values)
+        found.append(StoredTouch(align(contact, times).values, readings, _before_touch(values), fractions))
     return found
 
 

@@ -96,7 +96,7 @@ def _experiment(plan: Plan, maker: Maker, truth: GelMaterial, story: str) -> Exp
     recorded = maker.recorded(SEED, truth, STORIES[story])
     touches = [
         replace(touch, wrench=wrench, free_samples=float(len(free)))
-        for touch, wrench, free in zip(to_play(maker.touches), recorded.wrenches, recorded.free, strict=True)
+        for touch, wrench, free in zip(to_play(maker.touches), recorded.interpolated, recorded.free, strict=True)
     ]
     nodes = ResponsePlan.of(plan.bounds)
     plays = play_nodes(plan.mesh, _options(plan).mechanics, touches, list(nodes.nodes()))

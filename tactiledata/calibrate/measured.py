@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from tactiledata.arrays import Array
 from tactiledata.calibrate.options import CalibrationOptions
-from tactiledata.calibrate.touches import MeasuredTouch
+from tactiledata.calibrate.touches import ForceReadings, MeasuredTouch
 from tactiledata.errors import UnknownName
 from tactiledata.gel.contact.history import GelTouch
 from tactiledata.gel.flex.model import is_convex
@@ -97,7 +97,7 @@ def read_measured(opened: OpenedStore, options: CalibrationOptions) -> Measured:
             continue
         readings, distinct = reader.free_air(planned)
         free_air_readings.append(readings)
-        touches.append(_measured(opened, planned, wrench, distinct))
+        touches.append(_measured(opened, planned, wrench, distinct, reader.readings(planned)))
     # too little free air to measure the noise: take the data sheet's
     noise = noise_at_rest(free_air_readings, reader.samples_a_frame(touches), reader.fractions()) or _stated_noise()
     pad = plan.pads[usable[0].pad] if usable else None
@@ -143,7 +143,9 @@ def drawn_in_turn(touches: Sequence[PlannedTouch], seed: int) -> list[PlannedTou
     return [touch for _, _, touch in sorted(ranked, key=lambda entry: entry[:2])]
 
 
-def _measured(opened: OpenedStore, planned: PlannedTouch, wrench: Array, free_samples: int) -> MeasuredTouch:
+def _measured(
+    opened: OpenedStore, planned: PlannedTouch, wrench: Array, free_samples: int, readings: ForceReadings | None
+) -> MeasuredTouch:
     """Measured touch of a planned one with its contact wrench (frames, 6), thinned to ``MOST_FRAMES``."""
     rows = np.arange(*planned.frames)
     t_ns = opened.frame_t_ns[rows]
@@ -158,6 +160,7 @@ def _measured(opened: OpenedStore, planned: PlannedTouch, wrench: Array, free_sa
         wrench[kept],
         (t_ns - t_ns[0])[kept] / 1e9,
         float(free_samples),
+        readings=readings,
     )
 
 
@@ -196,18 +199,31 @@ class _WrenchReader:
                 return values
         return None
 
-    def free_air(self, planned: PlannedTouch) -> tuple[Array, int]:
-        """Return the samples (n, 6) at the native rate before the touch, and how many of them are new readings."""
+    def readings(self, planned: PlannedTouch) -> ForceReadings | None:
+        """Return the samples at the native rate of a touch, timed from its first frame; ``None`` if there are none."""
+        stream = self._stream(planned)
+        if stream is None:
+            return None
+        t_ns, samples = stream
+        return ForceReadings((t_ns - self._frame_t_ns[planned.frames[0]]) / 1e9, samples)
+
+    def _stream(self, planned: PlannedTouch) -> tuple[NDArray[np.int64], Array] | None:
+        """Times (m,), ns, and samples (m, 6), N and N m, of a touch at the native rate; NaN where unknown."""
         spans = self._opened.by_uid[planned.uid]["spans"]
         name = next((name for name in self._names if name in spans), None)
         if name is None:
+            return None
+        signal = self._store.signal(name)
+        return signal.t_ns(*spans[name]), signal.values(*spans[name])
+
+    def free_air(self, planned: PlannedTouch) -> tuple[Array, int]:
+        """Return the samples (n, 6) at the native rate before the touch, and how many of them are new readings."""
+        stream = self._stream(planned)
+        if stream is None:
             return np.empty((0, 6)), 0
         # the trajectory's known samples, their rate, and where frames lie between them
-        signal = self._store.signal(name)
-        start, stop = spans[name]
-        samples = signal.values(start, stop)
-        is_known = np.isfinite(samples).all(axis=1)
-        t_ns, samples = signal.t_ns(start, stop)[is_known], samples[is_known]
+        is_known = np.isfinite(stream[1]).all(axis=1)
+        t_ns, samples = stream[0][is_known], stream[1][is_known]
         if len(t_ns) > 1:
             self._periods.append(float(np.ptp(t_ns)) / 1e9 / (len(t_ns) - 1))
         self._fractions.append(fractions_between(t_ns, self._frame_t_ns[slice(*planned.frames)]))

@@ -9,6 +9,22 @@ from tactiledata.gel.contact.history import GelTouch
 
 
 @dataclass(frozen=True)
+class ForceReadings:
+    """Readings of a force sensor at its own rate during one trajectory.
+
+    Parameters
+    ----------
+    seconds : (m,) s, ascending
+        Time from the first frame of the trajectory.
+    wrench : (m, 6) N, N m
+        In the same frame of reference as the wrenches of frames; NaN where unknown.
+    """
+
+    seconds: Array
+    wrench: Array
+
+
+@dataclass(frozen=True)
 class MeasuredTouch:
     """One measured trajectory of n frames, as a calibration uses it.
 
@@ -24,6 +40,8 @@ class MeasuredTouch:
         Time from the trajectory's start.
     free_samples : float
         Number of samples in free air before the touch, from which its zero was taken.
+    readings : ForceReadings, optional
+        The force sensor's readings during the trajectory, where they are known.
     """
 
     uid: str
@@ -34,6 +52,7 @@ class MeasuredTouch:
     wrench: Array
     seconds: Array
     free_samples: float
+    readings: ForceReadings | None = None
 
     def deeper(self, offset: float) -> GelTouch:
         """Return the touch with the indenter deeper by ``offset``, m, along the gel frame's -z."""

@@ -7,12 +7,19 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.optimize import nnls
 
-from tactiledata.arrays import Array
+from tactiledata.arrays import Array, Indices
 from tactiledata.sensors.base import ForceSpecification
 
 FEWEST_SAMPLES = 60
 """Fewest samples at rest from which a covariance of six components is estimated."""
+MEMORIES = (0.8, 2, 5, 12, 30, 80)
+"""Time constants, in readings, of parts of the noise."""
+LEAST_CORRELATION = 1e-3
+"""Correlation below which two readings count as independent."""
+SMALLEST_FACTOR = 0.2
+"""Smallest deviation of a mean over that of a wrench at one frame: noise that is slower than free air lasts remains."""
 SMALLEST_SHARE = 1e-3
 """Floor of a variance, as a share of the largest of the forces or torques: no component is without error."""
 
@@ -31,15 +38,38 @@ class WrenchNoise:
         Where the figures come from, in words.
     reading_variance : float
         Variance of a single reading of the sensor over that of a wrench at a frame, mean of six components.
-    memory : float
-        Variance of the mean of many consecutive readings over that of as many independent ones; at least 1.
+    correlations : tuple of float
+        Correlation of two readings that are 1, 2, ... places apart, as far as it is more than chance.
     """
 
     covariance: Array
     inflation: float
     source: str
     reading_variance: float = 1.0
-    memory: float = 1.0
+    correlations: tuple[float, ...] = ()
+
+    @property
+    def memory(self) -> float:
+        """Variance of the mean of many consecutive readings over that of as many independent ones; at least 1."""
+        return 1.0 + 2.0 * sum(self.correlations)
+
+    def mean_factors(self, readings: Indices) -> Array:
+        """Return the deviation (n,) of means of consecutive readings over that of a wrench at one frame.
+
+        The variance of a mean of m readings is that of a reading times (1 + 2 sum over k < m of (1 - k / m) r_k) / m,
+        with the correlation r_k of readings k places apart. No factor is above 1, nor below ``SMALLEST_FACTOR``.
+
+        Parameters
+        ----------
+        readings : (n,)
+            Number of readings of each mean; 0 for a wrench that is interpolated, whose factor is 1.
+        """
+        lags = np.arange(1, len(self.correlations) + 1)
+        counts = np.maximum(readings, 1)[:, None]
+        shared = (np.maximum(1.0 - lags / counts, 0.0) * np.array(self.correlations)).sum(axis=1)
+        variances = self.reading_variance * (1.0 + 2.0 * shared) / counts[:, 0]
+        factors = np.clip(np.sqrt(variances), SMALLEST_FACTOR, 1.0)
+        return np.where(readings > 0, factors, 1.0)
 
     @property
     def deviations(self) -> Array:
@@ -93,8 +123,8 @@ def noise_at_rest(
     variances = reading_covariance.diagonal()
     is_noisy = variances > 0
     ratio = float((variances[is_noisy] / covariance.diagonal()[is_noisy]).mean())
-    inflation, memory = _inflation(parts, lag, own_share), _memory(parts)
-    return WrenchNoise(covariance, inflation, f"{rows} samples at rest", ratio, memory)
+    inflation, correlations = _inflation(parts, lag, own_share), _correlations(stretches)
+    return WrenchNoise(covariance, inflation, f"{rows} samples at rest", ratio, correlations)
 
 
 def specified_noise(force: ForceSpecification) -> WrenchNoise:
@@ -122,21 +152,53 @@ def _lagged(parts: Sequence[Array], lag: int) -> Array:
     return np.asarray(corrected * (summed + summed.T) / (2.0 * max(pairs, 1)))
 
 
-def _memory(parts: Sequence[Array]) -> float:
-    """Return 1 + 2 (r1 + r2 + ...) with the mean correlation r of the components at each lag, at least 1.
+def _correlations(stretches: Sequence[Array]) -> tuple[float, ...]:
+    """Return the mean correlation of the components of readings 1, 2, ... places apart, to the last that counts.
 
-    The sum ends before the first lag whose correlation may be chance, and at a quarter of a stretch.
+    The noise is taken as a sum of white noise and of parts that forget with the time constants ``MEMORIES``. Their
+    shares, none negative, are fitted to the covariances that the stretches (n, 6) have about their means, up to a
+    quarter of a stretch. A mean takes a part of slow noise with it; the covariances that are expected of each part lack
+    the same.
     """
-    variances = _lagged(parts, 0).diagonal()
-    is_noisy = variances > 0
-    total = 1.0
-    for lag in range(1, max((len(part) for part in parts), default=0) // 4 + 1):
-        chance_correlation = 2.0 / np.sqrt(max(sum(max(len(part) - lag, 0) for part in parts), 1))
-        correlation = float((_lagged(parts, lag).diagonal()[is_noisy] / variances[is_noisy]).mean())
-        if not correlation > chance_correlation:
-            break
-        total += 2.0 * correlation
-    return total
+    parts = [stretch - stretch.mean(axis=0) for stretch in stretches if len(stretch) >= 4]
+    scale = np.sqrt(np.mean([(part**2).mean(axis=0) for part in parts], axis=0)) if parts else np.zeros(6)
+    if not (scale > 0).any():
+        return ()
+    lags = np.arange(max(len(part) for part in parts) // 4 + 1)
+    scaled = [part[:, scale > 0] / scale[scale > 0] for part in parts]
+    sums = [sum(float((one[k:] * one[: len(one) - k]).mean(axis=1).sum()) for one in scaled) for k in lags]
+    memories = np.exp(-1.0 / np.array(MEMORIES))
+    curves = np.column_stack([lags == 0, *(memory**lags for memory in memories)])
+    lengths, counts = np.unique([len(part) for part in parts], return_counts=True)
+    expected = sum(count * _sums_about_mean(int(n), memories, lags) for n, count in zip(lengths, counts, strict=True))
+    # each sum of products varies as the number of its pairs
+    pairs = sum(count * np.maximum(n - lags, 0) for n, count in zip(lengths, counts, strict=True))
+    weights = 1.0 / np.sqrt(np.maximum(pairs, 1))
+    shares, _ = nnls(np.asarray(expected) * weights[:, None], np.array(sums) * weights)
+    whole = np.arange(1, 4 * MEMORIES[-1])
+    found = (memories ** whole[:, None]) @ shares[1:] / max(float((curves[0] * shares).sum()), 1e-300)
+    return tuple(float(one) for one in found[found > LEAST_CORRELATION])
+
+
+def _sums_about_mean(count: int, memories: Array, lags: Indices) -> Array:
+    """Return the expected sums (k, 1 + p) of products of readings about their mean, of parts with a variance of 1.
+
+    Parameters
+    ----------
+    count : int
+        Number n of readings of the stretch.
+    memories : (p,)
+        Correlation of neighbouring readings of each part; white noise comes first, without one.
+    lags : (k,)
+        Number of places between the two readings of a product.
+    """
+    distances = np.abs(np.subtract.outer(np.arange(count), np.arange(count)))
+    columns = []
+    for memory in (0.0, *memories):
+        covariance = memory**distances
+        covariance = covariance - covariance.mean(axis=0) - covariance.mean(axis=1)[:, None] + covariance.mean()
+        columns.append([float(np.trace(covariance, offset=int(lag))) if lag < count else 0.0 for lag in lags])
+    return np.array(columns).T
 
 
 def _inflation(parts: Sequence[Array], lag: int, own: float) -> float:

@@ -26,23 +26,37 @@ class StoreMotion:
         self._opened, self._store = opened, opened.store
         self._t_ns = opened.frame_t_ns
 
-    def facts(self, planned: PlannedTouch, rows: Indices) -> dict[str, Any]:
-        """Return fields of a `Touch`: motion until each frame and ``gel_from_sensor``, as far as they are known."""
-        return {**self._moves(planned, rows), **self._sensor(planned, len(rows))}
+    def facts(self, planned: PlannedTouch, rows: Indices, seconds: Array | None = None) -> dict[str, Any]:
+        """Return fields of a `Touch`: motion until each frame and ``gel_from_sensor``, as far as they are known.
 
-    def _moves(self, planned: PlannedTouch, rows: Indices) -> dict[str, Array]:
-        """Motion of the indenter until each frame, from poses at the native rate; empty where they are unknown."""
+        Parameters
+        ----------
+        planned : PlannedTouch
+            The trajectory.
+        rows : (n,)
+            Its frames in the store's table of frames.
+        seconds : (n,) s, optional
+            Times of the frames from the trajectory's first one, where they are not those of the store.
+        """
+        places = self.places(planned)
+        if seconds is None:
+            seconds = (self._t_ns[rows] - self._t_ns[planned.frames[0]]) / 1e9
+        motion = {} if places is None else moved_until(seconds, *places)
+        return {**motion, **self._sensor(planned, len(rows))}
+
+    def places(self, planned: PlannedTouch) -> tuple[Array, Array] | None:
+        """Return times (m,), s from the first frame, and positions (m, 3), m, of the tip in the gel frame.
+
+        They have the native rate of the poses. ``None`` where poses or the mounts of gel and indenter are unknown.
+        """
         spans = self._opened.by_uid[planned.uid]["spans"]
         if planned.poses not in spans or planned.tcp_from_gel is None or planned.base_from_indenter is None:
-            return {}
+            return None
         signal, span = self._store.signal(planned.poses), spans[planned.poses]
         values, t_ns = signal.values(*span), signal.t_ns(*span)
         places = gel_from_indenter(values, planned.tcp_from_gel, planned.base_from_indenter, 0.0)[:, :3, 3]
         is_known = np.isfinite(places).all(axis=1)
-        start = self._t_ns[rows[0]] if len(rows) else 0
-        seconds = (t_ns[is_known] - start) / 1e9
-        frames = (self._t_ns[rows] - start) / 1e9
-        return moved_until(frames, seconds, places[is_known])
+        return (t_ns[is_known] - self._t_ns[planned.frames[0]]) / 1e9, places[is_known]
 
     def _sensor(self, planned: PlannedTouch, count: int) -> dict[str, Array]:
         """Pose of the force sensor in the gel frame (count, 4, 4), metres; empty where it is unknown."""

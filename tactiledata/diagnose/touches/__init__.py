@@ -3,7 +3,8 @@
 Read in this order:
 
 1. `touch_case`: a trajectory with its measured wrenches; a set of them with the simulation that plays them.
-2. `store_touches`: the trajectories of a store, with gel and covariates.
+2. `store_touches`: the trajectories of a store, with gel and covariates. `rest_means`: wrenches averaged over the
+   readings while the indenter stands.
 3. `play_grid`: which plays of the gel engine are made, and which are estimated: pairs of nu and mu, offsets, shifts
    along the gel, variants.
 4. `missing_frames`: frames that a play has not solved, estimated from the others. `grid_answer`: interpolation between

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactiledata.arrays import Array
+from tactiledata.arrays import Array, Mask
 from tactiledata.calibrate.bounds import find_bounds
 from tactiledata.calibrate.gent import youngs_modulus_of_shore_a
 from tactiledata.calibrate.measured import Measured, kept_rows, read_measured
@@ -18,6 +18,7 @@ from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.diagnose.touches.grid_answer import TouchPlays
 from tactiledata.diagnose.touches.play_grid import design_variants, play_touches, variants_of
 from tactiledata.diagnose.touches.played_response import PlayedFamily
+from tactiledata.diagnose.touches.rest_means import FrameWrenches, means_at_rest, rest_spans
 from tactiledata.diagnose.touches.touch_case import FEWEST_CASES, FEWEST_FRAMES, TouchCase, TouchSet
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.touch.response import GelVariant
@@ -245,11 +246,13 @@ class _CaseMaker:
         known = plays.known & np.isfinite(touch.wrench).all(axis=1)
         known[1:] &= np.diff(touch.seconds) > 0
         part, rows, poses = plays.part(known), rows[known], touch.touch.poses[known]
+        # means of readings where the indenter stands
+        at_frames = self._wrenches(touch, planned, known)
         # covariates
         height = part.height - poses[:, 2, 3]
         earlier = self.facts.earlier(planned, poses[:, :2, 3], rows) if len(rows) else (None, None)
         at = Touch(
-            touch.seconds[known],
+            at_frames.seconds,
             poses,
             touch.touch.indenter,
             self.material,
@@ -262,10 +265,20 @@ class _CaseMaker:
             powered=self.facts.powered(planned, rows) if len(rows) else None,
             earlier_depth=earlier[0],
             earlier_contacts=earlier[1],
-            **self.motion.facts(planned, rows),
+            **self.motion.facts(planned, rows, at_frames.seconds),
         )
-        case = TouchCase(at, touch.wrench[known], self.noise, height < -FREE_AIR, touch.free_samples, touch.name)
+        case = TouchCase(
+            at, at_frames.wrench, self.noise, height < -FREE_AIR, touch.free_samples, touch.name,
+            self.noise.mean_factors(at_frames.readings),
+        )  # fmt: skip
         return case, part
+
+    def _wrenches(self, touch: MeasuredTouch, planned: PlannedTouch, known: Mask) -> FrameWrenches:
+        """Wrenches of the known frames (n,) of a touch, averaged where the indenter stands."""
+        frames, wrench, places = touch.seconds[known], touch.wrench[known], self.motion.places(planned)
+        if places is None or touch.readings is None:
+            return FrameWrenches(frames, wrench, np.zeros(len(frames), dtype=np.int64))
+        return means_at_rest(frames, wrench, rest_spans(frames, *places), touch.readings)
 
     @property
     def noise(self) -> WrenchNoise:

@@ -46,18 +46,20 @@ class TouchCase:
     measured : (n, 6) N, N m
         Wrench on the indenter, gel frame, about the gel's origin; not a number where unknown.
     noise : WrenchNoise
-        Noise of a wrench at one frame.
+        Noise of a wrench that is interpolated at one frame.
     free_air : (n,) bool
         Frames in which nothing touches the gel.
     free_samples : float
         Number of readings in free air from which the zero of the force sensor was taken.
     name : str
         As in sentences for people.
+    factors : (n,), optional
+        Deviation of each wrench over that of ``noise``: below 1 for means of readings; 1 everywhere where ``None``.
 
     Raises
     ------
     UsageError
-        Wrenches or flags have another number of frames than the touch.
+        Wrenches, flags or factors have another number of frames than the touch.
     """
 
     touch: Touch
@@ -66,14 +68,21 @@ class TouchCase:
     free_air: Mask
     free_samples: float = 100.0
     name: str = ""
+    factors: Array | None = None
 
     def __post_init__(self) -> None:
         for what, shape, expected in (
             ("measured wrenches", self.measured.shape, (len(self.touch), 6)),
             ("free-air flags", self.free_air.shape, (len(self.touch),)),
+            ("factors on the noise", self.noise_factors.shape, (len(self.touch),)),
         ):
             if shape != expected:
                 raise UsageError(f"{what} of shape {shape} for trajectory {self.name!r}", f"{expected}", "Align them.")
+
+    @property
+    def noise_factors(self) -> Array:
+        """Deviation (n,) of each wrench over that of ``noise``."""
+        return np.ones(len(self.touch)) if self.factors is None else self.factors
 
     @property
     def indenter(self) -> str:

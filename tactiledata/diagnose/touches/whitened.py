@@ -107,9 +107,15 @@ class WhitenedTouches:
         return np.concatenate([case.free_air for case in self.touch_set.touches])
 
     @cached_property
+    def noise_factors(self) -> Array:
+        """Deviation (N,) of the noise of each row over that of a wrench at one frame of its trajectory."""
+        return np.concatenate([case.noise_factors for case in self.touch_set.touches])
+
+    @cached_property
     def _of_noise(self) -> Array:
         """Matrix (N, 6, 6) of each row that whitens the noise alone, from the right."""
-        return np.stack([case.noise.whitened(np.eye(6)) for case in self.touch_set.touches])[self.trajectory]
+        whitening = np.stack([case.noise.whitened(np.eye(6)) for case in self.touch_set.touches])[self.trajectory]
+        return whitening / self.noise_factors[:, None, None]
 
     @cached_property
     def _whitening(self) -> Array:

@@ -58,13 +58,13 @@ def zero_shares(white: WhitenedTouches) -> Array:
     touches = white.touch_set.touches
     readings = np.array([case.noise.reading_variance for case in touches])
     tare = tare_variance(np.array([case.free_samples for case in touches]), readings)
-    known = np.add.reduceat(white.weights**2, white.starts) * tare
+    known = np.add.reduceat((white.weights / white.noise_factors) ** 2, white.starts) * tare
     return known / (1.0 + known)
 
 
 def _own_zeros(part: WhitenedTouches, predicted: Array) -> Array:
     """Return the most likely zero of each row's trajectory (N, 6), N and N m, given the predicted wrenches (N, 6)."""
-    weights = np.where(np.isfinite(predicted).all(axis=1), part.weights**2, 0.0)
+    weights = np.where(np.isfinite(predicted).all(axis=1), (part.weights / part.noise_factors) ** 2, 0.0)
     off = weights[:, None] * np.nan_to_num(part.measured - predicted)
     total = np.maximum(np.add.reduceat(weights, part.starts), 1e-300)
     zeros: Array = np.add.reduceat(off, part.starts, axis=0) * (zero_shares(part) / total)[:, None]
@@ -215,4 +215,4 @@ def _noise(white: WhitenedTouches, frames: Array, offsets: float = 1.0 / 3.0) ->
     taken = (inflation * zero_shares(white))[:, None] + offsets * np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
     left = np.sqrt(np.maximum(1.0 - taken / np.maximum(frames, 1.0)[:, None], 0.0))
     deviations = np.stack([case.noise.deviations for case in cases]) * left
-    return deviations[white.trajectory]
+    return deviations[white.trajectory] * white.noise_factors[:, None]

@@ -25,7 +25,7 @@ def case(free_air=(False, False), forces=FORCES, seconds=(10.0, 12.0)):
     poses[:, :3, 3] = TIPS
     touch = Touch(np.array(seconds), poses, Sphere(), GelMaterial(9e5, 0.47, 0.7), DIGIT.gel)
     measured = np.hstack([forces, np.cross(TIPS, forces)])
-    return TouchCase(touch, measured, WrenchNoise(COVARIANCE, 1.7, "planted", 1.5, 1.4), np.array(free_air), 50.0)
+    return TouchCase(touch, measured, WrenchNoise(COVARIANCE, 1.7, "planted", 1.5, (0.2,)), np.array(free_air), 50.0)
 
 
 def fields(**changed):
