@@ -20,6 +20,7 @@ from tactiledata.gel.mesh.pad import PadMesh
 from tactiledata.ingest.clocks.align import fractions_between
 from tactiledata.ingest.forces.tare import SURELY_FREE, component_noise, touch_threshold, touching
 from tactiledata.nuisance.noise import WrenchNoise, noise_at_rest, specified_noise
+from tactiledata.replay.chosen_frames import chosen_frames
 from tactiledata.replay.opened import OpenedStore
 from tactiledata.replay.plan import GAP_LIMIT_NS, PlannedTouch
 from tactiledata.sensors.robotiq_ft300s import ROBOTIQ_FT300S
@@ -30,7 +31,7 @@ WRENCH = "contact_wrench"
 LEAST_FORCE = 1.0
 """Smallest peak force, N, of a touch that says anything of the gel; the SPLIT paper has the same limit."""
 MOST_FRAMES = 24
-"""Most frames of one trajectory that are simulated; of a longer one this many are taken at even distances."""
+"""Most frames of one trajectory that are simulated; of a longer one this many are taken, by its path."""
 
 
 @dataclass(frozen=True)
@@ -149,8 +150,8 @@ def _measured(
     """Measured touch of a planned one with its contact wrench (frames, 6), thinned to ``MOST_FRAMES``."""
     rows = np.arange(*planned.frames)
     t_ns = opened.frame_t_ns[rows]
-    kept = kept_rows(len(rows))
     whole = planned.gel_touch(opened.store, 0.0)
+    kept = chosen_frames((t_ns - t_ns[0]) / 1e9, whole.poses[:, :3, 3], MOST_FRAMES)
     return MeasuredTouch(
         planned.uid,
         planned.name,
@@ -160,15 +161,9 @@ def _measured(
         wrench[kept],
         (t_ns - t_ns[0])[kept] / 1e9,
         float(free_samples),
+        frames=kept,
         readings=readings,
     )
-
-
-def kept_rows(count: int) -> NDArray[np.int64]:
-    """Frames of a trajectory of ``count`` that are simulated: all, or ``MOST_FRAMES`` at even distances."""
-    if count <= MOST_FRAMES:
-        return np.arange(count)
-    return np.unique(np.linspace(0, count - 1, MOST_FRAMES).astype(np.int64))
 
 
 def _stated_noise() -> WrenchNoise:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from tactiledata.arrays import Array
+from tactiledata.arrays import Array, Indices
 from tactiledata.gel.contact.history import GelTouch
 
 
@@ -40,6 +40,8 @@ class MeasuredTouch:
         Time from the trajectory's start.
     free_samples : float
         Number of samples in free air before the touch, from which its zero was taken.
+    frames : (n,), optional
+        Numbers of the frames among those of the trajectory; all of them, in order, where ``None``.
     readings : ForceReadings, optional
         The force sensor's readings during the trajectory, where they are known.
     """
@@ -52,6 +54,7 @@ class MeasuredTouch:
     wrench: Array
     seconds: Array
     free_samples: float
+    frames: Indices | None = None
     readings: ForceReadings | None = None
 
     def deeper(self, offset: float) -> GelTouch:

@@ -11,7 +11,7 @@ import numpy as np
 from tactiledata.arrays import Array, Mask
 from tactiledata.calibrate.bounds import find_bounds
 from tactiledata.calibrate.gent import youngs_modulus_of_shore_a
-from tactiledata.calibrate.measured import Measured, kept_rows, read_measured
+from tactiledata.calibrate.measured import Measured, read_measured
 from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.contract.progress import Progress, no_progress
@@ -48,11 +48,14 @@ class FrameUse:
         Share of the squared measured force that is in these frames.
     estimated : int
         Frames that take part and were interpolated at some parameters of the gel, because it was not solved there.
+    averaged : int
+        Frames that take part and whose wrench is a mean of readings, because the indenter stands.
     """
 
     lost: int
     force_lost: float
     estimated: int
+    averaged: int = 0
 
     @staticmethod
     def of(measured: Sequence[MeasuredTouch], cases: Sequence[TouchCase], plays: Sequence[TouchPlays]) -> FrameUse:
@@ -75,7 +78,8 @@ class FrameUse:
         lost = sum(len(touch.seconds) for touch in measured) - sum(len(case.touch) for case in cases)
         whole, used = squares([touch.wrench for touch in measured]), squares([case.measured for case in cases])
         estimated = sum(int(part.estimated.sum()) for part in plays if part.estimated is not None)
-        return FrameUse(lost, 1.0 - used / whole if whole > 0 else 0.0, estimated)
+        averaged = sum(int((case.noise_factors < 1).sum()) for case in cases)
+        return FrameUse(lost, 1.0 - used / whole if whole > 0 else 0.0, estimated, averaged)
 
 
 @dataclass(frozen=True)
@@ -242,7 +246,7 @@ class _CaseMaker:
             Plays of all of its frames.
         """
         # frames that are known, later than the frame before
-        rows = np.arange(*planned.frames)[kept_rows(planned.frames[1] - planned.frames[0])]
+        rows = np.arange(*planned.frames)[slice(None) if touch.frames is None else touch.frames]
         known = plays.known & np.isfinite(touch.wrench).all(axis=1)
         known[1:] &= np.diff(touch.seconds) > 0
         part, rows, poses = plays.part(known), rows[known], touch.touch.poses[known]
