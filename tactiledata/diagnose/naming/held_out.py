@@ -8,7 +8,7 @@ import numpy as np
 
 from tactiledata.arrays import Array, Indices, Mask
 from tactiledata.diagnose.naming.joint_fit import JointFit
-from tactiledata.diagnose.naming.linearise import FARTHEST_STEP, bounded_change
+from tactiledata.diagnose.naming.linearise import bounded_change, step_bounds
 from tactiledata.diagnose.naming.metric import RandomEffects
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
 
@@ -111,12 +111,7 @@ class LinearRefits:
         fit = self.fit
         prior = fit.precision * (fit.model.vector - fit.centre)
         gram = self.grams[~out].sum(axis=0) + np.diag(fit.precision)
-        low, high = (end - fit.model.vector for end in fit.model.bounds)
-        # the linearisation holds no farther; a time constant of an effect that is absent would go anywhere
-        of_effects = slice(3, 3 + len(fit.model.coordinates))
-        low[of_effects] = np.maximum(low[of_effects], -FARTHEST_STEP)
-        high[of_effects] = np.minimum(high[of_effects], FARTHEST_STEP)
-        return bounded_change(gram, self.gradients[~out].sum(axis=0) - prior, low, high)
+        return bounded_change(gram, self.gradients[~out].sum(axis=0) - prior, *step_bounds(fit.model))
 
     def costs(self, out: Mask, together: bool) -> dict[int, float]:
         """Return the sums of squares of held-out trajectories, by the number of the trajectory.

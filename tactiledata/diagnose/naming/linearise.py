@@ -150,7 +150,7 @@ class Linearised:
         damping : float
             Share of its diagonal that is added to the matrix of the normal equations (Levenberg and Marquardt).
         """
-        vector, (low, high) = model.vector, model.bounds
+        vector = model.vector
         precision = self.precision(model)
         # normal equations of the shared entries, each trajectory's offset eliminated
         about = RandomEffects(slopes.own, slopes.shared[:, :, :0], precision[:0], self.whitened.starts)
@@ -164,12 +164,8 @@ class Linearised:
         gram = about.products(slopes.shared, slopes.shared) + np.diag(precision)
         # the step within bounds, effects within the reach of the linearisation
         free = np.array([entry not in self.held for entry in range(len(vector))])
-        of_effects = slice(3, 3 + len(model.coordinates))
-        nearest, farthest = low.copy(), high.copy()
-        nearest[of_effects] = np.maximum(low[of_effects], vector[of_effects] - FARTHEST_STEP)
-        farthest[of_effects] = np.minimum(high[of_effects], vector[of_effects] + FARTHEST_STEP)
         damped = gram + damping * np.diag(np.diag(gram))
-        moved = vector + bounded_change(damped, gradient, nearest - vector, farthest - vector, free)
+        moved = vector + bounded_change(damped, gradient, *step_bounds(model), free)
         # the offsets follow, and the cost that is reached to first order
         left = state.residual - slopes.shared @ (moved - vector)
         own = own_now + offset_steps(slopes.own, left, starts, squares, own_now)
@@ -177,6 +173,19 @@ class Linearised:
         left = left - slopes.own * (own - own_now)[by_row, None]
         reached = (left**2).sum() + precision @ (moved - self.centre(model)) ** 2 + (own**2).sum()
         return model.at(moved, own * PRIOR), state.cost - float(reached)
+
+
+def step_bounds(model: JointModel) -> tuple[Array, Array]:
+    """Return the lowest and the highest step (q,) of a model's vector for which its linearisation holds.
+
+    Numbers stay within their bounds, and those of effects within ``FARTHEST_STEP``: a time constant of an effect that
+    is absent would go anywhere.
+    """
+    low, high = (end - model.vector for end in model.bounds)
+    of_effects = slice(3, 3 + len(model.coordinates))
+    low[of_effects] = np.maximum(low[of_effects], -FARTHEST_STEP)
+    high[of_effects] = np.minimum(high[of_effects], FARTHEST_STEP)
+    return low, high
 
 
 def offset_steps(own: Array, residual: Array, starts: Indices, squares: Array, now: Array) -> Array:
