@@ -2,7 +2,7 @@
 
     python benchmarks/mismatch_worlds.py [--generator layer|analytic|element] [--mismatch SIZE] [--solver SEED]
                                          [--noise FACTOR] [--plan N] [--cases nulls ...] [--seed N] [--count K]
-                                         [--estimated] [--out FILE.jsonl] [--bank FOLDER]
+                                         [--strength medium] [--estimated] [--out FILE.jsonl] [--bank FOLDER]
 
 The simulation is our gel at finite strain. Generators are the rig's layer solver, the rig's closed forms and finite
 elements of scikit-fem (`element_world`), each with errors of a solver that are drawn for each indenter
@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from element_world.bank import ElementBank
-from naming_asked import KINDS, Asked, asked_cases
+from naming_asked import DRAWN, KINDS, Asked, asked_cases
 from naming_summary import summary
 from naming_worlds import Bench, keep_and_tell
 from other_solvers import OtherSolver
@@ -58,7 +58,7 @@ def main() -> None:
     parser.add_argument("--cases", nargs="+", choices=KINDS, default=["nulls"])
     parser.add_argument("--count", type=int, default=1)
     parser.add_argument("--seed", type=int, default=0, help="added to the seeds of the cases")
-    parser.add_argument("--strength", choices=("weak", "medium", "strong"), default="medium")
+    parser.add_argument("--strength", choices=("weak", "medium", "strong", DRAWN), default="medium")
     parser.add_argument("--only", nargs="*", default=[], help="of the rig's effects")
     parser.add_argument("--no-pairs", action="store_true")
     parser.add_argument("--without-variants", action="store_true", help="leave out effects that need other gels played")

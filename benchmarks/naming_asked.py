@@ -6,11 +6,14 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
+from drawn_strengths import drawn_parameters
 from naming_plan import INDENTERS
 from naming_truth import OUTSIDE, PAIRS, TITLES, WrongRadius
 
 from tactiledata.rig.hidden.base import HiddenEffect
 
+DRAWN = "drawn"
+"""Strength of which all numbers are drawn by the seed."""
 KINDS = ("nulls", "effects", "outside", "pairs", "metadata")
 
 
@@ -23,6 +26,7 @@ class Asked:
     kind : str
     effects : the rig's names of what is hidden
     strength : str
+        One of the rig's, or ``DRAWN``.
     seed : int
     wrong : (indenter, share) whose radius is not as stated
     """
@@ -42,6 +46,8 @@ class Asked:
     @property
     def hidden(self) -> list[dict[str, Any]]:
         """Of the scenario."""
+        if self.strength == DRAWN:
+            return [{"effect": name, "parameters": drawn_parameters(name, self.seed)} for name in self.effects]
         return [{"effect": name, "strength": self.strength} for name in self.effects]
 
     @property
