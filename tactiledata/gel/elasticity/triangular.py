@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import itertools
 from collections import deque
-from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 from scipy.sparse.linalg import SuperLU
 
 from tactiledata.arrays import Array, Indices, SingleArray
@@ -61,42 +57,52 @@ class BlockFactor:
         """Convert SciPy's factor of a symmetric matrix, which must have been computed without row exchanges."""
         lower = factor.L.tocsc()
         lower.sort_indices()
-        starts = _block_starts(lower.indptr, lower.indices)
-        rows, below, corners = [], [], []
-        for first, end in itertools.pairwise(starts):
-            width = end - first
-            rows_below = lower.indices[lower.indptr[end - 1] + 1 : lower.indptr[end]]
-            triangle, rectangle = np.eye(width), np.empty((len(rows_below), width))
-            for place in range(width):
-                column = lower.data[lower.indptr[first + place] : lower.indptr[first + place + 1]]
-                triangle[place:, place] = column[: width - place]
-                rectangle[:, place] = column[width - place :]
-            rows.append(rows_below.astype(np.int64))
-            below.append(rectangle.ravel())
-            corners.append(np.linalg.inv(triangle).ravel())
+        pointers, numbers = lower.indptr.astype(np.int64), lower.indices.astype(np.int64)
+        starts = _block_starts(pointers, numbers)
+        widths = np.diff(starts)
+        # rows below the diagonal block are those of the block's last column
+        heights = pointers[starts[1:]] - pointers[starts[1:] - 1] - 1
+        row_starts, below_starts, corner_starts = (_ends(sizes) for sizes in (heights, heights * widths, widths**2))
+        rows = np.empty(row_starts[-1], np.int64)
+        below, corners = np.empty(below_starts[-1], np.float32), np.empty(corner_starts[-1], np.float32)
+        _gather(
+            pointers, numbers, lower.data, starts, rows, row_starts, below, below_starts, corners, corner_starts
+        )  # fmt: skip
         return BlockFactor(
             factor.perm_c.astype(np.int64),
             starts,
-            np.concatenate(rows),
-            _ends(rows),
-            np.concatenate(below).astype(np.float32),
-            _ends(below),
-            np.concatenate(corners).astype(np.float32),
-            _ends(corners),
+            rows,
+            row_starts,
+            below,
+            below_starts,
+            corners,
+            corner_starts,
             (1.0 / factor.U.diagonal()).astype(np.float32),
         )
 
-    def solve(self, right: Array, threads: Executor | None = None) -> Array:
-        """Return solutions (b, n) of right-hand sides (b, n); groups of ``LANES`` run on the given threads."""
+    def solve(self, right: Array, threads: Executor | None = None, lanes: int = LANES) -> Array:
+        """Return solutions (b, n) of right-hand sides (b, n).
+
+        Parameters
+        ----------
+        right : (b, n)
+            Right-hand sides.
+        threads : Executor, optional
+            Threads on which the groups run.
+        lanes : int
+            Right-hand sides of a group. The factor is read once for each group: many lanes are fast for many
+            right-hand sides, one is fast for one. Other lanes round otherwise.
+        """
         solution = np.empty(right.shape)
-        shares = [slice(first, first + LANES) for first in range(0, len(right), LANES)]
-        deque((map if threads is None else threads.map)(partial(self._solve_some, right, solution), shares), maxlen=0)
+        shares = [slice(first, first + lanes) for first in range(0, len(right), lanes)]
+        solve_some = partial(self._solve_some, right, solution, lanes)
+        deque((map if threads is None else threads.map)(solve_some, shares), maxlen=0)
         return solution
 
-    def _solve_some(self, right: Array, solution: Array, share: slice) -> None:
+    def _solve_some(self, right: Array, solution: Array, lanes: int, share: slice) -> None:
         """Write the solutions of one group of right-hand sides (b, n) to the same rows of ``solution``."""
         part = right[share]
-        work = np.zeros((right.shape[1], LANES), dtype=np.float32)
+        work = np.zeros((right.shape[1], lanes), dtype=np.float32)
         work[self.order, : len(part)] = part.T
         _solve(
             self.starts,
@@ -112,22 +118,82 @@ class BlockFactor:
         solution[share] = work[self.order, : len(part)].T
 
 
-def _block_starts(starts: NDArray[np.int32], rows: NDArray[np.int32]) -> Indices:
+def _ends(sizes: Indices) -> Indices:
+    """Places (s + 1,) at which each part starts, and the last ends, when parts of these sizes (s,) are concatenated."""
+    return np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64)
+
+
+@njit(nogil=True, cache=True)
+def _block_starts(starts: Indices, rows: Indices) -> Indices:
     """First columns of runs of columns with the same pattern, and the number of columns at the end.
 
-    ``starts`` and ``rows`` are the column pointers and row numbers of L.
+    ``starts`` and ``rows`` are the column pointers and row numbers of L, rows ascending.
     """
-    firsts = [0]
-    for column in range(1, len(starts) - 1):
-        before = rows[starts[column - 1] + 1 : starts[column]]
-        if not np.array_equal(before, rows[starts[column] : starts[column + 1]]):
-            firsts.append(column)
-    return np.array([*firsts, len(starts) - 1], dtype=np.int64)
+    columns = len(starts) - 1
+    firsts = np.empty(columns + 1, np.int64)
+    count = 1
+    firsts[0] = 0
+    for column in range(1, columns):
+        before, here, end = starts[column - 1] + 1, starts[column], starts[column + 1]
+        is_same = here - before == end - here
+        place = 0
+        while is_same and place < end - here:
+            is_same = rows[before + place] == rows[here + place]
+            place += 1
+        if not is_same:
+            firsts[count] = column
+            count += 1
+    firsts[count] = columns
+    return firsts[: count + 1]
 
 
-def _ends(parts: Sequence[NDArray[Any]]) -> Indices:
-    """Places (s + 1,) at which each part starts, and the last ends, when parts are concatenated."""
-    return np.concatenate([[0], np.cumsum([len(part) for part in parts])]).astype(np.int64)
+@njit(nogil=True, cache=True)
+def _gather(
+    pointers: Indices,
+    numbers: Indices,
+    values: Array,
+    starts: Indices,
+    rows: Indices,
+    row_starts: Indices,
+    below: SingleArray,
+    below_starts: Indices,
+    corners: SingleArray,
+    corner_starts: Indices,
+) -> None:
+    """Write the rows, the values below the triangles and the inverse triangles of all blocks of L.
+
+    Parameters
+    ----------
+    pointers, numbers, values : (n + 1,), (z,), (z,)
+        L as columns, rows ascending.
+    starts : (s + 1,)
+        First column of each block.
+    rows, row_starts, below, below_starts, corners, corner_starts
+        Results and their places, as in `BlockFactor`.
+    """
+    for block in range(len(starts) - 1):
+        first, end = starts[block], starts[block + 1]
+        width, height = end - first, row_starts[block + 1] - row_starts[block]
+        last = pointers[end - 1] + 1
+        for row in range(height):
+            rows[row_starts[block] + row] = numbers[last + row]
+        triangle, inverse = np.eye(width), np.eye(width)
+        for place in range(width):
+            column = pointers[first + place]
+            for row in range(width - place):
+                triangle[place + row, place] = values[column + row]
+            for row in range(height):
+                below[below_starts[block] + row * width + place] = values[column + width - place + row]
+        # inverse of a unit triangle, column by column
+        for column in range(width):
+            for row in range(column + 1, width):
+                total = 0.0
+                for inner in range(column, row):
+                    total += triangle[row, inner] * inverse[inner, column]
+                inverse[row, column] = -total
+        for row in range(width):
+            for column in range(width):
+                corners[corner_starts[block] + row * width + column] = inverse[row, column]
 
 
 @njit(nogil=True, cache=True)

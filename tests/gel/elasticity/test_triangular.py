@@ -35,6 +35,30 @@ def test_solutions_agree(pad, count):
     assert off(pad.solve_refined(forces), expected) < 1e-9
 
 
+@pytest.mark.parametrize("lanes", [1, 3, 48])
+def test_any_number_of_lanes_gives_the_solutions(pad, lanes):
+    """Groups of 1, 3 and 48 right-hand sides; 21 fill none of the last two evenly."""
+    right = loads(pad, 21).reshape(21, -1)[:, pad.mesh.free]
+    expected = pad.factor.solve(np.asfortranarray(right.T)).T
+    assert off(pad.blocks.solve(right, lanes=lanes), expected) < 2e-5
+
+
+def test_blocks_hold_the_factor(pad):
+    """Put together again, triangles and rectangles are SciPy's lower factor, and each triangle's inverse is its own."""
+    blocks, lower = pad.blocks, pad.factor.L.toarray()
+    found = np.zeros_like(lower)
+    for block, (first, end) in enumerate(zip(blocks.starts, blocks.starts[1:], strict=False)):
+        width = end - first
+        rows = blocks.rows[blocks.row_starts[block] : blocks.row_starts[block + 1]]
+        below = blocks.below[blocks.below_starts[block] : blocks.below_starts[block + 1]]
+        corner = blocks.corners[blocks.corner_starts[block] : blocks.corner_starts[block + 1]].reshape(width, width)
+        found[first:end, first:end] = np.linalg.inv(corner.astype(float))
+        found[rows, first:end] = below.reshape(len(rows), width)
+    assert np.diff(blocks.starts).max() > 10
+    np.testing.assert_allclose(found, lower, atol=1e-5)
+    np.testing.assert_allclose(1.0 / blocks.inverse_diagonal, pad.factor.U.diagonal(), rtol=1e-6)
+
+
 def test_company_changes_no_bit(pad):
     forces = loads(pad, 11)
     together = pad.solve_roughly(forces)
