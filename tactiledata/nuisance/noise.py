@@ -166,7 +166,7 @@ def _correlations(stretches: Sequence[Array]) -> tuple[float, ...]:
         return ()
     lags = np.arange(max(len(part) for part in parts) // 4 + 1)
     scaled = [part[:, scale > 0] / scale[scale > 0] for part in parts]
-    sums = [sum(float((one[k:] * one[: len(one) - k]).mean(axis=1).sum()) for one in scaled) for k in lags]
+    sums = [sum(float((one[k:] * one[: max(len(one) - k, 0)]).mean(axis=1).sum()) for one in scaled) for k in lags]
     memories = np.exp(-1.0 / np.array(MEMORIES))
     curves = np.column_stack([lags == 0, *(memory**lags for memory in memories)])
     lengths, counts = np.unique([len(part) for part in parts], return_counts=True)

@@ -30,3 +30,10 @@ def test_the_memory_is_that_of_the_process(correlation):
 def test_independent_readings_have_none():
     """White noise is given no memory."""
     assert noise_at_rest(stretches(0.0)).memory == pytest.approx(1.0, abs=0.05)
+
+
+def test_stretches_of_any_length_count():
+    """A stretch that is far shorter than the others adds its few products, and changes the memory little."""
+    long = stretches(0.6)
+    alone, beside = (noise_at_rest(parts).memory for parts in (long, [*long, long[0][:5], long[1][:40]]))
+    assert beside == pytest.approx(alone, rel=0.02)
