@@ -10,7 +10,7 @@ gain
     log-likelihood on held-out data. Its standard error is √t times the sample standard deviation of the g_k.
 evidence
     B = ζ (P - C) / (2 φ) - O. C is the cost of the candidate fitted to all trajectories, whitened squares plus priors,
-    and P is that of the plain fit. B approximates the logarithm of their Bayes factor. ζ = 1 / (1 + t/α) lets it
+    and P is that of the plain fit. B approximates the logarithm of their Bayes factor. ζ = 1 / (1 + t q / α) lets it
     saturate with the number of trajectories, since errors of the simulation repeat in all of them.
 Occam penalty
     O = ½ ln det(I + SᵀMS) + Σ ln m, the price of the candidate's free numbers (`JointFit.occam`). S is what one prior
@@ -235,7 +235,7 @@ def score_candidate(
     dispersion : float
         φ, at least 1.
     counted : float
-        ζ: factor on the evidence by the number of trajectories, `DecisionThresholds.counted`.
+        ζ: factor on the evidence by number and precision of trajectories, `DecisionThresholds.counted`.
     """
     gains = 0.5 * (base_out.by_trajectory - out.by_trajectory) / dispersion
     # numbers that differ by indenter cannot be predicted for an indenter that is held out

@@ -153,7 +153,7 @@ def identifiability(
     whitened = WhitenedTouches.of(touch_set, errors)
     names, not_told = playable(whitened, effects)
     signatures = effect_signatures(whitened, material, names)
-    return identifiability_of(nuisance(whitened, material), signatures, tuple(not_told), names)
+    return identifiability_of(nuisance(whitened, material), signatures, tuple(not_told), names, whitened.precision)
 
 
 def identifiability_of(
@@ -161,6 +161,7 @@ def identifiability_of(
     signatures: Sequence[Signature],
     not_told: tuple[str, ...] = (),
     names: Sequence[str] = (),
+    precision: float = 1.0,
 ) -> Identifiability:
     """Return what trajectories could show of effects, from signatures that are known already.
 
@@ -174,6 +175,8 @@ def identifiability_of(
         Effects that depend on covariates which the touches do not have.
     names : sequence of str
         All effects that were tried: those without a signature change nothing.
+    precision : float
+        Precision of the trajectories, `WhitenedTouches.precision`.
     """
     with_signature = {signature.effect for signature in signatures}
     best: dict[Strength, tuple[float, float, Array]] = {}
@@ -192,7 +195,7 @@ def identifiability_of(
         np.array([hidden for _, hidden, _ in best.values()]),
         alike,
         np.array([reach for reach, _, _ in best.values()]),
-        np.array([DEFAULT_THRESHOLDS.visible(strength.effect, len(metric.starts)) for strength in best]),
+        np.array([DEFAULT_THRESHOLDS.visible(strength.effect, len(metric.starts), precision) for strength in best]),
         not_told,
         tuple(name for name in names if name not in with_signature),
     )

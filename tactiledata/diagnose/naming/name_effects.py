@@ -122,7 +122,7 @@ def name_effects(
     before, after = (
         intervals(whitened, fit, max(1.0, decision.left.dispersion), chosen.profile and claimed) for fit in (base, best)
     )
-    identifiable = identifiability_of(base.metric, tried.signatures, tuple(not_tried), names)
+    identifiable = identifiability_of(base.metric, tried.signatures, tuple(not_tried), names, whitened.precision)
     odd = odd_touches(whitened, best)
     return NamingResult(
         whitened, base, before, after, identifiable, tried.screened, scored, decision, tuple(not_tried), odd

@@ -120,7 +120,7 @@ class Refits:
         dispersion = max(1.0, left.dispersion)
 
         def score_of(fit: JointFit, out: GroupedCosts) -> ScoredCandidate:
-            counted = thresholds.counted(len(self.whitened.starts))
+            counted = thresholds.counted(len(self.whitened.starts), self.whitened.precision)
             scored = score_candidate(self.base, fit, base_out, out, float(expected.sum()), dispersion, counted)
             return with_penalty(scored, counted * self.size_penalty / dispersion)
 

@@ -58,9 +58,9 @@ class DecisionThresholds:
     usual_claim : float
         Evidence that a claim of any other effect needs.
     saturation : float
-        Number α of trajectories at which the evidence of t trajectories counts half: it is multiplied by 1 / (1 + t/α),
-        as an error of the simulation is the same in every trajectory. Source: Miller and Dunson, JASA 114 (2019), the
-        coarsened posterior.
+        Number α of trajectories of precision 1 at which their evidence counts half: that of t trajectories of precision
+        q is multiplied by 1 / (1 + t q / α). An error of the simulation is the same in every trajectory, and what it
+        brings grows with the precision as well. Source: Miller and Dunson, JASA 114 (2019), the coarsened posterior.
     broad_share : float
         Share of the needed evidence that must remain without the two trajectories that contribute most.
     gain_sigmas : float
@@ -160,11 +160,11 @@ class DecisionThresholds:
         """Return the evidence that a candidate of these effects needs."""
         return sum(self.claim(name) for name in names)
 
-    def counted(self, trajectories: int) -> float:
-        """Return the factor on the evidence of a number of trajectories; see ``saturation``."""
-        return 1.0 / (1.0 + trajectories / self.saturation)
+    def counted(self, trajectories: int, precision: float = 1.0) -> float:
+        """Return the factor on the evidence of a number of trajectories of a precision; see ``saturation``."""
+        return 1.0 / (1.0 + trajectories * precision / self.saturation)
 
-    def visible(self, name: str, trajectories: int) -> float:
+    def visible(self, name: str, trajectories: int, precision: float = 1.0) -> float:
         """Return the signal-to-noise ratio s from which an effect can be claimed.
 
         The signal is the root of the sum of whitened squares of what the effect changes beyond what a refit imitates.
@@ -176,8 +176,10 @@ class DecisionThresholds:
             The effect.
         trajectories : int
             Number of trajectories.
+        precision : float
+            Their precision, `WhitenedTouches.precision`.
         """
-        return float(np.sqrt(2.0 * (self.claim(name) + TYPICAL_OCCAM) / self.counted(trajectories)))
+        return float(np.sqrt(2.0 * (self.claim(name) + TYPICAL_OCCAM) / self.counted(trajectories, precision)))
 
     @property
     def for_traces(self) -> DecisionThresholds:

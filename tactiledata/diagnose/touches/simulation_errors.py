@@ -119,6 +119,9 @@ class _Contact:
         Directions of the indenter's x and y axes along the gel, one a row.
     limit : (N,) N
         Friction limit.
+    since_turn : (N, 2) N
+        Change of the shear since it was largest, in proportion to the load, times the square of the share of the
+        friction limit at that moment: by so much a contact that slips at its edge comes back by another way.
     """
 
     wrench: Array
@@ -126,6 +129,7 @@ class _Contact:
     axis: Array
     turned: Array
     limit: Array
+    since_turn: Array
 
     def sheared(self, shear: Array) -> Array:
         """Wrench (N, 6) of a tangential force (N, 2) at the tip."""
@@ -157,16 +161,34 @@ def _directions(contact: _Contact, rows: Mask, growth: Array, unloaded: Array) -
     sticking, sliding = (contact.sheared(shear * share[:, None]) for share in (1.0 - slides, slides))
     touched = rows & (load > 0)
     bend = growth**2 - float(np.mean(growth[touched] ** 2)) if touched.any() else growth
+    turned_back = contact.sheared(contact.since_turn * (1.0 - slides[:, None]))
     none = np.zeros_like(load)
     pushed = np.column_stack([none, none, load * np.minimum(used, 1.0) ** 2, none, none, none])
     factors = (growth, bend, unloaded)
     return [
         wrench, *(wrench * factor[:, None] for factor in factors), pushed,
-        sticking, sticking * growth[:, None], sticking * used[:, None] ** 2,
+        sticking, sticking * growth[:, None], sticking * used[:, None] ** 2, sticking * unloaded[:, None], turned_back,
         sliding, sliding * growth[:, None], sliding * unloaded[:, None],
         contact.sheared(load[:, None] * contact.axis),
         contact.moved(contact.turned[:, 0]), contact.moved(contact.turned[:, 1]), contact.moved(contact.axis),
     ]  # fmt: skip
+
+
+def _since_largest(force: Array, limit: Array, starts: Indices) -> Array:
+    """Change (N, 2), N, of the shear of forces (N, 3) since it was largest in its trajectory; 0 while it grows.
+
+    The largest shear is reduced with the load, so that the change ends with the contact. The change is multiplied by
+    the square of the share of the friction limit (N,), N, that the largest shear was; at most 1.
+    """
+    shear, load = force[:, :2], np.maximum(force[:, 2], 0.0)
+    size = np.hypot(*shear.T)
+    rows = np.where(size >= largest_so_far(size, starts), np.arange(len(size)), 0)
+    # the last row of each trajectory, so far, in which the shear was largest
+    last = np.maximum(np.maximum.accumulate(rows), np.repeat(starts, np.diff([*starts, len(size)])))
+    used = np.divide(size, limit, out=np.zeros_like(size), where=limit > 0)
+    carried = np.minimum(np.divide(load, load[last], out=np.zeros_like(load), where=load[last] > 0), 1.0)
+    change: Array = (shear - shear[last] * carried[:, None]) * np.minimum(used[last], 1.0)[:, None] ** 2
+    return change
 
 
 @dataclass(frozen=True)
@@ -203,6 +225,8 @@ KINDS = (
     ErrorKind("shear that sticks", SHEAR, "shear", is_common=True),
     ErrorKind("the growth of shear with depth", SHEAR, "shear", 0.5),
     ErrorKind("shear that begins to slide", SHEAR, "shear"),
+    ErrorKind("shear that sticks while the force is taken off", SHEAR, "shear", 0.5),
+    ErrorKind("shear after a turn", SHEAR, "shear"),
     ErrorKind("shear that slides", SHEAR, "shear", 0.5),
     ErrorKind("the growth of sliding shear with depth", SHEAR, "shear", 0.5),
     ErrorKind("sliding shear while the force is taken off", SHEAR, "shear", 0.5),
@@ -267,7 +291,9 @@ def error_wrenches(
     lengths = np.maximum(np.linalg.norm(ways, axis=2, keepdims=True), 1e-9)
     most = largest_so_far(load, starts)
     unloaded = np.where(most > 0, 1.0 - load / np.where(most > 0, most, 1.0), 0.0)
-    whole = _Contact(plain, poses[:, :3, 3], poses[:, :2, 2], ways / lengths, friction * np.maximum(load, 0.0))
+    limit = friction * np.maximum(load, 0.0)
+    since_turn = _since_largest(plain[:, :3], limit, starts)
+    whole = _Contact(plain, poses[:, :3, 3], poses[:, :2, 2], ways / lengths, limit, since_turn)
     size = np.linalg.norm(plain[:, :3], axis=1)
 
     def growth(rows: Array) -> Array:

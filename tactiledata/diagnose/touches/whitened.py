@@ -27,6 +27,9 @@ from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.nuisance.low_rank import low_rank_core, low_rank_power, low_rank_product
 from tactiledata.nuisance.numerical import scatter_covariance
 
+USUAL_RATIO = 40.0
+"""Force over the noise of one component in a frame of a usual recording: some 3.5 N with 0.085 N of noise."""
+
 
 @dataclass(frozen=True)
 class WhitenedTouches:
@@ -173,6 +176,17 @@ class WhitenedTouches:
         inflation = np.array([case.noise.inflation for case in self.touch_set.touches])
         squares: Array = 6.0 * np.add.reduceat(self.weights > 0, self.starts, dtype=np.float64) / inflation
         return squares
+
+    @cached_property
+    def precision(self) -> float:
+        """Mean square of force over noise in contact, over ``USUAL_RATIO`` squared; at least 1.
+
+        A frame's errors of the simulation are shares of its force: in units of the noise they grow with this number.
+        """
+        force = np.linalg.norm(self.measured[:, :3], axis=1)
+        deviations = np.stack([case.noise.deviations[:3].mean() for case in self.touch_set.touches])[self.trajectory]
+        ratios = (force / (deviations * self.noise_factors))[~self.free_air & (self.weights > 0)]
+        return max(1.0, float((ratios**2).mean()) / USUAL_RATIO**2) if len(ratios) else 1.0
 
     def whiten(self, rows: Array) -> Array:
         """Return wrenches (N, 6) or (N, 6, c), N and N m, whitened, own unknowns marginalised; 0 where not finite."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+import numpy as np
 from scipy.spatial.transform import Rotation
 
 from tactiledata.effects.base import Effect
@@ -14,11 +15,12 @@ _MOUNT = "screw holes and adapters; estimate"
 
 
 class FrameRotation(Effect):
-    """A rotation of force and torque, F -> R F and M -> R M, R of the rotation vector (tilt_x, tilt_y, yaw).
+    """A rotation of what the sensor reads, F -> R F and M -> R M, R of the rotation vector (tilt_x, tilt_y, yaw).
 
-    The norm of the force stays.
+    Force and torque are those in the sensor's own frame, about its origin. Where a touch does not state that frame, it
+    counts as that of the gel. The norm of the force stays.
 
-    Source: rotation of a wrench about the gel's origin.
+    Source: the frame of a rigid body that is turned about its origin.
     """
 
     name = "frame_rotation"
@@ -27,13 +29,13 @@ class FrameRotation(Effect):
     parameters = (
         *(
             strength(
-                f"tilt_{axis}", "rad", f"turn about {axis} of the gel frame",
+                f"tilt_{axis}", "rad", f"turn about {axis} of the sensor's frame",
                 bounds=(-0.2, 0.2), plausible=(-0.0175, 0.0175), deviation=0.01, source="0.2 to 1 deg: " + _MOUNT,
             )
             for axis in "xy"
         ),
         strength(
-            "yaw", "rad", "turn about z of the gel frame",
+            "yaw", "rad", "turn about z of the sensor's frame",
             bounds=(-0.4, 0.4), plausible=(-0.053, 0.053), deviation=0.02, source="0.5 to 3 deg: " + _MOUNT,
         ),
     )  # fmt: skip
@@ -46,7 +48,6 @@ class FrameRotation(Effect):
 
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
         turn = Rotation.from_rotvec([values["tilt_x"], values["tilt_y"], values["yaw"]]).as_matrix()
-        wrench = state.wrench.copy()
-        wrench[:, :3] = wrench[:, :3] @ turn.T
-        wrench[:, 3:] = wrench[:, 3:] @ turn.T
-        return state.with_reading(wrench)
+        load = state.touch.to_sensor(state.wrench)
+        reading = np.concatenate([load[:, :3] @ turn.T, load[:, 3:] @ turn.T], axis=1)
+        return state.with_reading(state.touch.from_sensor(reading))

@@ -4,14 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+import numpy as np
+
 from tactiledata.effects.base import Effect
 from tactiledata.effects.parameter import strength
+from tactiledata.effects.touch.earlier_places import delayed_along
 from tactiledata.effects.touch.state import TouchState
-from tactiledata.effects.touch.time_operators import delayed, fading_memory
+from tactiledata.effects.touch.time_operators import fading_memory
+
+NODES = 5
+"""Delays over which the low-pass is a mean."""
 
 
 class Lag(Effect):
     """A delay, F(t) -> F(t - delay), then a first-order low-pass: F - integral of exp(-(t - s) / filter) dF(s).
+
+    Between frames the wrench follows the path of the tip, where that is known. The low-pass is then a mean over delays
+    (Gauss and Laguerre's quadrature).
 
     It acts on all that the sensor reads, weight and inertia included, and so belongs to the slot ``sensor``.
 
@@ -39,10 +48,15 @@ class Lag(Effect):
     reference = "ros-industrial robotiq issue 124"
 
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
-        seconds = state.touch.seconds
-        wrench = state.wrench
-        if values["delay"] != 0.0:
-            wrench = delayed(seconds, wrench, values["delay"])
-        if values["filter"] != 0.0:
-            wrench = wrench - fading_memory(seconds, wrench, values["filter"])
-        return state.with_reading(wrench)
+        delay, time, touch = values["delay"], values["filter"], state.touch
+        if time == 0.0 and delay == 0.0:
+            return state
+        if time == 0.0 or touch.earlier_places is None:
+            late = delayed_along(touch.seconds, state.wrench, touch.tips, touch.earlier_places, delay)
+            return state.with_reading(late if time == 0.0 else late - fading_memory(touch.seconds, late, time))
+        nodes, weights = np.polynomial.laguerre.laggauss(NODES)
+        late = np.zeros_like(state.wrench)
+        for node, weight in zip(nodes, weights, strict=True):
+            by = delay + time * float(node)
+            late += weight * delayed_along(touch.seconds, state.wrench, touch.tips, touch.earlier_places, by)
+        return state.with_reading(late)

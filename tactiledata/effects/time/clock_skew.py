@@ -8,14 +8,15 @@ import numpy as np
 
 from tactiledata.effects.base import Effect
 from tactiledata.effects.parameter import shape, strength
+from tactiledata.effects.touch.earlier_places import delayed_along
 from tactiledata.effects.touch.state import TouchState
-from tactiledata.effects.touch.time_operators import delayed
 
 
 class ClockSkew(Effect):
     """A delay of the wrench, F(t) -> F(t - delay): delay = rate t, plus ``jump`` from the time ``jump_at`` on.
 
-    t is the time since the start of the recording.
+    t is the time since the start of the recording. Between frames the wrench follows the path of the tip, where that is
+    known.
 
     Source: quartz clocks differ by 10 to 100 ppm, 0.6 to 6 ms a minute; a dropped frame shifts all later ones by
     one.
@@ -48,4 +49,5 @@ class ClockSkew(Effect):
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
         seconds = state.touch.seconds
         delay = values["rate"] * seconds + np.where(seconds >= values["jump_at"], values["jump"], 0.0)
-        return state.with_reading(delayed(seconds, state.wrench, delay))
+        late = delayed_along(seconds, state.wrench, state.touch.tips, state.touch.earlier_places, delay)
+        return state.with_reading(late)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.arrays import Array
+from tactiledata.effects.touch.earlier_places import DELAYS
 from tactiledata.effects.touch.felt_acceleration import FREQUENCIES
 from tactiledata.effects.touch.last_move import WAYS
 from tactiledata.errors import UsageError
@@ -64,6 +65,8 @@ class Touch:
     felt_accelerations : (n, f, 3) m/s^2, optional
         Acceleration of a tool that vibrates on the arm, gel frame, for each of
         `tactiledata.effects.touch.felt_acceleration.FREQUENCIES`.
+    earlier_places : (n, d, 3) m, optional
+        Positions of the tip at each of `tactiledata.effects.touch.earlier_places.DELAYS` before a frame, gel frame.
     gel_from_sensor : (n, 4, 4), optional
         Pose of the force sensor, m.
     sensor_weight : (n, 6) N, N m, optional
@@ -95,6 +98,7 @@ class Touch:
     rest: Array | None = None
     last_ways: Array | None = None
     felt_accelerations: Array | None = None
+    earlier_places: Array | None = None
     gel_from_sensor: Array | None = None
     sensor_weight: Array | None = None
 
@@ -106,6 +110,7 @@ class Touch:
             "joints": (6,),
             "last_ways": (len(WAYS),),
             "felt_accelerations": (len(FREQUENCIES), 3),
+            "earlier_places": (len(DELAYS), 3),
             "gel_from_sensor": (4, 4),
             "sensor_weight": (6,),
         }

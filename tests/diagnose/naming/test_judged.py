@@ -335,11 +335,22 @@ def test_what_would_not_be_claimed_is_said_with_the_size_that_would():
 @pytest.mark.parametrize("name", [EASY, HARD])
 def test_what_can_be_seen_brings_the_evidence_of_a_claim(name):
     """It is half the square of the signal, saturated, less a typical price; more trajectories bring less each."""
-    for count in (10, 1000):
-        expected = T.counted(count) * T.visible(name, count) ** 2 / 2 - TYPICAL_OCCAM
+    for count, precision in ((10, 1.0), (1000, 1.0), (36, 4.0)):
+        expected = T.counted(count, precision) * T.visible(name, count, precision) ** 2 / 2 - TYPICAL_OCCAM
         assert expected == pytest.approx(T.claim(name))
     assert T.visible(name, 1000) > T.visible(name, 10)
     assert T.visible(HARD, 10) > T.visible(EASY, 10)
+
+
+def test_evidence_of_an_error_of_the_simulation_never_exceeds_what_saturation_allows():
+    """An error brings evidence in proportion to trajectories and to their precision: their product has an end."""
+    brought = [
+        count * precision * T.counted(count, precision) for count in (36, 1000) for precision in (1.0, 4.0, 100.0)
+    ]
+    assert max(brought) < T.saturation
+    # a share of the precision brings a share of the evidence, and a very fine recording nearly all that is allowed
+    assert T.counted(36, 4.0) == T.counted(144, 1.0)
+    assert max(brought) > 0.99 * T.saturation
 
 
 def test_a_number_that_shows_at_no_place_is_said_beside_those_of_its_effect_that_do():

@@ -62,3 +62,14 @@ def test_another_number_of_factors_is_refused(touches):
     """A factor belongs to a frame."""
     with pytest.raises(UsageError, match="factors on the noise"):
         replace(touches.touches[0], factors=np.ones(3))
+
+
+def test_precision_is_that_of_the_frames_in_contact(touches):
+    """Half of the deviation everywhere is four times the precision, once it is above the usual one."""
+
+    def precision(deviation):
+        cases = [replace(case, factors=np.full(len(case.touch), deviation)) for case in touches.touches]
+        return WhitenedTouches.of(replace(touches, touches=cases)).precision
+
+    assert precision(0.05) == pytest.approx(4.0 * precision(0.1))
+    assert precision(100.0) == 1.0

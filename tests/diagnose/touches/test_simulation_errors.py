@@ -71,6 +71,9 @@ def expected():
         "shear that sticks": of(stuck),
         "the growth of shear with depth": of(stuck, growth),
         "shear that begins to slide": of(stuck, USED**2),
+        "shear that sticks while the force is taken off": of(stuck, UNLOADED),
+        # the shear was largest in the second frame, at the friction limit; a quarter of its load is left in the third
+        "shear after a turn": of(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.1, -0.1 - 0.25 * 2.0, 0.0]])),
         "shear that slides": of(slid),
         "the growth of sliding shear with depth": of(slid, growth),
         "sliding shear while the force is taken off": of(slid, UNLOADED),

@@ -69,6 +69,21 @@ def test_a_turned_frame_keeps_the_norm(play):
     np.testing.assert_allclose(tilted[:, 1], cos * plain[:, 1] - sin * plain[:, 2], atol=1e-12)
 
 
+def test_a_frame_is_turned_about_the_origin_of_the_sensor(touch, play):
+    """A sensor 0.15 m away that is turned about its x reads a torque about its own origin, turned; not the gel's."""
+    pose = np.eye(4)
+    pose[:3, 3] = [0.0, 0.0, 0.15]
+    there = dataclasses.replace(touch, gel_from_sensor=np.tile(pose, (len(touch), 1, 1)))
+    plain, found = play(on=there).wrench, play("frame_rotation", on=there, tilt_x=0.05).wrench
+    turn = Rotation.from_rotvec([0.05, 0.0, 0.0]).as_matrix()
+    force = plain[:, :3] @ turn.T
+    lever = np.array([0.0, 0.0, 0.15])
+    about_sensor = plain[:, 3:] - np.cross(lever, plain[:, :3])
+    np.testing.assert_allclose(found[:, :3], force, atol=1e-12)
+    np.testing.assert_allclose(found[:, 3:], about_sensor @ turn.T + np.cross(lever, force), atol=1e-12)
+    assert np.abs(found[:, 3:] - plain[:, 3:] @ turn.T).max() > 0.01
+
+
 def test_cross_talk_names_row_and_column(play):
     """What is called xz is what of z shows in x; frame by frame, against loops."""
     plain, values = play().wrench, {"xx": 0.02, "xz": -0.03, "zy": 0.01, "quadratic": 1e-3}

@@ -77,7 +77,7 @@ def test_motion_until_a_frame_is_along_the_gel_but_felt_in_all_axes():
     frames = np.array([0.52, 1.0, 1.9])
     down = moved_until(frames, seconds, np.outer(way, [0.0, 0.0, -1.0]))
     along = moved_until(frames, seconds, np.outer(way, [0.0, 1.0, 0.0]))
-    assert set(down) == {"pace", "rest", "last_ways", "felt_accelerations"}
+    assert set(down) == {"pace", "rest", "last_ways", "felt_accelerations", "earlier_places"}
     assert not down["pace"].any()
     np.testing.assert_allclose(along["pace"][1:], 2e-3, rtol=1e-6)
     np.testing.assert_allclose(along["last_ways"][2], np.array(WAYS) / 2e-3, atol=5e-3)
