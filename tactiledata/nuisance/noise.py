@@ -15,7 +15,7 @@ from tactiledata.sensors.base import ForceSpecification
 FEWEST_SAMPLES = 60
 """Fewest samples at rest from which a covariance of six components is estimated."""
 MEMORIES = (0.8, 2, 5, 12, 30, 80)
-"""Time constants, in readings, of parts of the noise."""
+"""Time constants, in readings, of parts of the noise; those are fitted that are up to half of a stretch long."""
 LEAST_CORRELATION = 1e-3
 """Correlation below which two readings count as independent."""
 SMALLEST_FACTOR = 0.2
@@ -167,7 +167,9 @@ def _correlations(stretches: Sequence[Array]) -> tuple[float, ...]:
     lags = np.arange(max(len(part) for part in parts) // 4 + 1)
     scaled = [part[:, scale > 0] / scale[scale > 0] for part in parts]
     sums = [sum(float((one[k:] * one[: max(len(one) - k, 0)]).mean(axis=1).sum()) for one in scaled) for k in lags]
-    memories = np.exp(-1.0 / np.array(MEMORIES))
+    # slower parts than half of a stretch cannot be told from its mean
+    known = np.array([time for time in MEMORIES if time <= max(len(part) for part in parts) / 2])
+    memories = np.exp(-1.0 / known)
     curves = np.column_stack([lags == 0, *(memory**lags for memory in memories)])
     lengths, counts = np.unique([len(part) for part in parts], return_counts=True)
     expected = sum(count * _sums_about_mean(int(n), memories, lags) for n, count in zip(lengths, counts, strict=True))
