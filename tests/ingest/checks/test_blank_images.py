@@ -5,13 +5,20 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
+from tactiledata.contract.description import LogDescription
+from tactiledata.contract.records import Image, Recording, Signal, Source, Stamps, Trajectory
 from tactiledata.contract.take import FrameFlag, findings_of
 from tactiledata.ingest.checks.blank_images import blank_images, is_one_colour
-from tactiledata.ingest.pipeline import ingest
+from tactiledata.ingest.pipeline import _checked_take, ingest
+from tactiledata.ingest.trajectories.assemble import IngestOptions
 from tactiledata.loaders.numpy import TactileArrays
 from tactiledata.sensors.backgrounds import bundled_backgrounds, load_background
 from tactiledata.store.read.reader import Store
+from tactiledata.units import SIGNAL_COLUMNS
+from tests.ingest.checks.test_spooled import spooled
 
+MS = 1_000_000
+SAME = {"xyz": [0.0, 0.0, 0.0], "xyzw": [0.0, 0.0, 0.0, 1.0]}
 GEL = load_background("digit-bg-0")[::4, ::4]
 
 
@@ -154,3 +161,25 @@ def test_the_limit_of_one_colour_is_three_grey_levels():
     assert not is_one_colour(picture)
     picture[:2, :, 1] = 5
     assert is_one_colour(picture)
+
+
+def test_an_image_of_one_colour_is_no_picture_without_contact(tmp_path):
+    """Of four frames in free air one is black: the mean is that of the three gels, and none of two gels and it."""
+    for count, origin in ((4, "mean of 3 frames below 0.2 N"), (3, None)):
+        pictures = [GEL, flat(0), GEL + 2, GEL + 4][:count]
+        images = spooled(tmp_path / str(count), [
+            Image("digit", picture.tobytes(), "raw", *picture.shape[:2], log_ns=number * MS, sensor="D1")
+            for number, picture in enumerate(pictures)
+        ])  # fmt: skip
+        times = MS * np.arange(100)
+        signals = {"wrench": Signal("wrench", Stamps(times), np.zeros((100, 6)), SIGNAL_COLUMNS["wrench"])}
+        document = {"sensors": {"D1": {"model": "digit"}}, "robot": {"tcp_from_gel": SAME, "tcp_from_ft": SAME}}
+        touches = (Trajectory("t", 0, 100 * MS, "D1"),)
+        recording = Recording(Source("p", "k", "folder", ()), LogDescription(document), signals, touches)
+        take = _checked_take(recording, images, "ab" * 32, IngestOptions())
+        assert take.frames["flags"].to_pylist() == [0, FrameFlag.BLANK, 0, 0][:count]
+        if origin is None:
+            assert "D1" not in take.references
+        else:
+            assert take.references["D1"].origin == origin
+            np.testing.assert_array_equal(take.references["D1"].image, GEL + 2)
