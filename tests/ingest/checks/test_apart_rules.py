@@ -1,5 +1,6 @@
 """Streams that do not meet the trajectories, in times of a few nanoseconds."""
 
+import numpy as np
 import pytest
 
 from tactiledata.ingest.checks.apart import apart_findings
@@ -43,6 +44,57 @@ def test_derived_and_empty_signals_are_left():
     assert said([500], derived_from="wrench") == []
     assert said([]) == []
     assert apart_findings(take(None, [], {"joints": signal("joints", [5], [[0] * 6])})) == []
+
+
+SEC = 10**9
+
+
+def lacking(first, last, step=SEC // 100, touches=None, **attributes):
+    """What is said of a signal from the first to the last moment (s), beside touches of 4 s every 5 s."""
+    t_ns = np.arange(round(first * SEC), round(last * SEC) + 1, step)
+    touches = (
+        [touch(name, 5 * k * SEC, (5 * k + 4) * SEC) for k, name in enumerate("abc")] if touches is None else touches
+    )
+    made = take(None, touches, {"joints": signal("joints", t_ns, np.zeros((len(t_ns), 6)), **attributes)})
+    return apart_findings(made)
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "words"),
+    [
+        (0, 14, ""),
+        (0.5, 13.5, ""),
+        (-3, 20, ""),
+        (0, 13.49, "1 of 3 trajectories (c), up to 0.51 s"),
+        (0.51, 14, "1 of 3 trajectories (a), up to 0.51 s"),
+        (0, 6.5, "2 of 3 trajectories (b, c), up to 4.00 s"),
+        (0, 4.2, "2 of 3 trajectories (b, c), up to 4.00 s"),
+        (9.2, 14, "2 of 3 trajectories (a, b), up to 4.00 s"),
+        (6, 8, "3 of 3 trajectories (a, b, c), up to 4.00 s"),
+        (3, 3, "3 of 3 trajectories (a, b, c), up to 4.00 s"),
+    ],
+)
+def test_a_signal_that_ends_before_the_trajectories_do_is_said(first, last, words):
+    """More than half a second of a touch before its first sample or behind its last: a recorder stopped."""
+    found = lacking(first, last)
+    assert told(found) == ([("signal-incomplete", "warning", "joints", int(words[0]))] if words else [])
+    assert all(f"joints begins or ends inside or beside {words} of them" in one.message for one in found)
+
+
+def test_a_slow_signal_may_end_ten_samples_earlier():
+    """Of a temperature every 0.2 s, two seconds are not missed, and a sample more is."""
+    assert lacking(0, 12, SEC // 5) == []
+    assert told(lacking(0, 11.8, SEC // 5)) == [("signal-incomplete", "warning", "joints", 1)]
+
+
+def test_five_trajectories_that_lack_a_signal_are_named():
+    """A sixth is a sign; a signal that was derived, or that lies elsewhere, is not said to be incomplete."""
+    for count, ending in ((5, "(t1, t2, t3, t4, t5),"), (6, "(t1, t2, t3, t4, t5 …),")):
+        touches = [touch(f"t{k}", 5 * k * SEC, (5 * k + 4) * SEC) for k in range(count + 1)]
+        (found,) = lacking(0, 4, touches=touches)
+        assert (found.count, ending in found.message) == (count, True)
+    assert lacking(0, 4, derived_from="wrench") == []
+    assert [one.code for one in lacking(14, 20)] == ["signal-elsewhere"]
 
 
 def others(trajectory=-1, touches=(), **columns):

@@ -246,8 +246,9 @@ def test_eight_frames_in_free_air_judge_a_background():
     assert touched(36, lambda _: DIGIT) == ([[0, 5, 10, 15, 20, 25, 30, 35]], ["background-touched"])
     assert touched(3, lambda _: DIGIT) == ([[0, 1, 2]], ["background-touched"])
     flags = [0, FrameFlag.BROKEN, 0, FrameFlag.MISSING, 0, 0]
-    sensor = ["D1"] * 5 + ["D2"]
-    assert touched(6, lambda _: DIGIT, flags=flags, sensor=sensor) == ([[0, 2, 4]], ["background-touched"])
+    for other in ("D0", "D2"):
+        sensor = ["D1"] * 5 + [other]
+        assert touched(6, lambda _: DIGIT, flags=flags, sensor=sensor) == ([[0, 2, 4]], ["background-touched"])
     assert touched(2, lambda _: DIGIT) == ([], [])
 
 
