@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 from copied_trees import copy_tree
 
-from tactiledata.errors import UsageError
+from tactiledata.errors import StoreError, UsageError
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.store.change.add_sensor import add_sensor, remove_sensor
 from tactiledata.store.check.check import check
 from tactiledata.store.read.free_air import free_air_median
 from tactiledata.store.read.reader import Store
+from tactiledata.store.write.recover import begin_commit
 
 
 @pytest.fixture
@@ -90,3 +91,25 @@ def test_a_touch_is_told_by_the_stores_own_frames(store: Path, tmp_path: Path, m
         add_sensor(store, serial, tmp_path / "touched.png", replace=True)
     add_sensor(store, serial, tmp_path / "free.png", replace=True)
     assert "free.png" in Store.open(store).reference(serial).origin
+
+
+def test_facts_that_were_changed_are_not_believed(store: Path) -> None:
+    """One character of a sensor's facts is another: reading them names the sensor; all other reading goes on."""
+    place = store / "sensors.json"
+    place.write_text(place.read_text().replace("digit", "dihit", 1))
+    opened = Store.open(store)
+    with pytest.raises(
+        StoreError, match=r"the facts of sensor \S+ in .*sensors\.json are not those that were written.*from a copy"
+    ):
+        opened.sensors()
+    assert opened.trajectories().num_rows > 0
+    assert "store-sensors" in {finding.code for finding in check(store, images=False)}
+
+
+def test_facts_of_a_commit_that_was_killed_are_read(store: Path) -> None:
+    """A commit that ended between the sensors' file and the manifest left newer facts: they are no damage."""
+    place = store / "sensors.json"
+    before = Store.open(store).sensors()
+    begin_commit(store, Store.open(store).manifest)
+    place.write_text(place.read_text().replace("digit", "other", 1))
+    assert Store.open(store).sensors() == before
