@@ -17,22 +17,20 @@ from tactiledata.contract.take import Reference
 from tactiledata.errors import StoreError, UnknownName
 from tactiledata.store.layout.manifest import Manifest, not_a_store, parse_manifest
 from tactiledata.store.layout.places import (
-    COMMITTING,
     MANIFEST,
-    STAGING,
     aligned_path,
     folder_name,
     frame_values_path,
     home_of,
     reference_path,
-    sensors_path,
 )
-from tactiledata.store.layout.sensors_table import Facts, changed_facts, image_crc, parse_sensors
+from tactiledata.store.layout.sensors_table import Facts, image_crc
 from tactiledata.store.read.files import StoreFiles, missing_file, open_files
 from tactiledata.store.read.index_tables import IndexTables
 from tactiledata.store.read.meshes import StoredMesh
 from tactiledata.store.read.pictures import Pictures
 from tactiledata.store.read.rows import Rows, checked_rows
+from tactiledata.store.read.sensor_facts import sensor_facts
 from tactiledata.store.read.signal_rows import Meaning, SignalRows
 
 RowState = tuple[int, int, str]
@@ -266,35 +264,8 @@ class Store:
     # -- sensors and splits ------------------------------------------------------------------------------------------
 
     def sensors(self) -> Facts:
-        """What is known of each sensor, by serial.
-
-        Raises
-        ------
-        StoreError
-            The facts of a sensor are not those that the manifest names.
-        """
-        place = sensors_path(home_of(self.manifest))
-        try:
-            content = self._files.read(place) if self.manifest["sensors"] else None
-        except FileNotFoundError as error:
-            raise missing_file(place, self.location) from error
-        facts = parse_sensors(content, self.manifest, f"{self.location}/{place}")
-        changed = changed_facts(facts, self.manifest)
-        if not changed:
-            return facts
-        # a commit that goes on, or that was killed, kept the file as it was
-        try:
-            kept = parse_sensors(self._files.read(f"{STAGING}/{COMMITTING}"), self.manifest, STAGING)
-        except (FileNotFoundError, StoreError):
-            kept = facts
-        if changed_facts(kept, self.manifest):
-            raise StoreError(
-                f"the facts of sensor {', '.join(changed)} in {self.location}/{place} are not those that were written",
-                "facts that fit their SHA-256 in the manifest",
-                "Take the file from a copy of the store; `tactiledata check` lists all damage.",
-                sensors=changed,
-            )
-        return kept
+        """What is known of each sensor, by serial."""
+        return sensor_facts(self._files, self.manifest)
 
     def references(self) -> dict[str, Reference]:
         """Pictures without contact, by sensor."""
