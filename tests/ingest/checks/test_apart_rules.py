@@ -81,6 +81,32 @@ def test_a_signal_that_ends_before_the_trajectories_do_is_said(first, last, word
     assert all(f"joints begins or ends inside or beside {words} of them" in one.message for one in found)
 
 
+@pytest.mark.parametrize(("segmented", "names"), [("log", "a, c"), ("contact onset and release", "")])
+def test_touches_that_were_found_end_with_the_recording(segmented, names):
+    """A touch that was cut with a margin lacks nothing beyond all streams; what a log states does."""
+    rows = [touch("a", 0, 4 * SEC), touch("b", 5 * SEC, 9 * SEC), touch("c", 10 * SEC, 14 * SEC)]
+    t_ns = np.arange(SEC, 13 * SEC + 1, SEC // 100)
+    signals = {"joints": signal("joints", t_ns, np.zeros((len(t_ns), 6)))}
+    found = apart_findings(take(None, [{**row, "segmented": segmented} for row in rows], signals))
+    assert [one.message.partition("(")[2].partition(")")[0] for one in found] == ([names] if names else [])
+
+
+@pytest.mark.parametrize("other", ["images", "tcp"])
+def test_a_found_touch_lacks_what_another_stream_has(other):
+    """Where images or another signal go on, a signal that ended is said of touches that were found, too."""
+    t_ns = np.arange(0, 8 * SEC + 1, SEC // 100)
+    signals = {"joints": signal("joints", t_ns, np.zeros((len(t_ns), 6)))}
+    table = None
+    if other == "images":
+        table = frames(5, t_ns=3 * SEC * np.arange(5))
+    else:
+        signals["tcp"] = signal("tcp", [0, 12 * SEC], np.zeros((2, 7)))
+    rows = [touch("a", -SEC, 4 * SEC), touch("b", 9 * SEC, 14 * SEC)]
+    found = apart_findings(take(table, [{**row, "segmented": "contact onset and release"} for row in rows], signals))
+    assert told(found) == [("signal-incomplete", "warning", "joints", 1)]
+    assert "(b), up to 3.00 s" in found[0].message
+
+
 def test_a_slow_signal_may_end_ten_samples_earlier():
     """Of a temperature every 0.2 s, two seconds are not missed, and a sample more is."""
     assert lacking(0, 12, SEC // 5) == []

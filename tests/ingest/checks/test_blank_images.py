@@ -8,11 +8,12 @@ import pytest
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Image, Recording, Signal, Source, Stamps, Trajectory
 from tactiledata.contract.take import FrameFlag, findings_of
-from tactiledata.ingest.checks.blank_images import blank_images, is_one_colour
+from tactiledata.ingest.checks.blank_images import blank_images
 from tactiledata.ingest.pipeline import _checked_take, ingest
 from tactiledata.ingest.trajectories.assemble import IngestOptions
 from tactiledata.loaders.numpy import TactileArrays
 from tactiledata.sensors.backgrounds import bundled_backgrounds, load_background
+from tactiledata.sensors.image_checks import is_one_colour
 from tactiledata.store.read.reader import Store
 from tactiledata.units import SIGNAL_COLUMNS
 from tests.ingest.checks.test_spooled import spooled
