@@ -43,9 +43,11 @@ def _incomplete(take: Take) -> list[Finding]:
     """Trajectories of which a signal that meets others has no sample at the beginning or at the end."""
     start, end = (take.trajectories[name].to_numpy() for name in ("start_ns", "end_ns"))
     names = take.trajectories["trajectory"].to_pylist()
-    recorded = [take.frames["t_ns"].to_numpy(), *(signal.t_ns for signal in take.signals.values())]
-    begins = min((times.min() for times in recorded if len(times)), default=0)
-    ends = max((times.max() for times in recorded if len(times)), default=0)
+    streams = [take.frames["t_ns"].to_numpy(), *(signal.t_ns for signal in take.signals.values())]
+    recorded = [times for times in streams if len(times)]
+    if not recorded:
+        return []
+    begins, ends = min(times.min() for times in recorded), max(times.max() for times in recorded)
     # a touch that was found has a margin, which may reach beyond the recording
     is_found = np.array(take.trajectories["segmented"].to_pylist(), dtype=object) != "log"
     start = np.where(is_found, np.maximum(start, begins), start)

@@ -120,7 +120,39 @@ def test_five_trajectories_that_lack_a_signal_are_named():
         (found,) = lacking(0, 4, touches=touches)
         assert (found.count, ending in found.message) == (count, True)
     assert lacking(0, 4, derived_from="wrench") == []
-    assert [one.code for one in lacking(14, 20)] == ["signal-elsewhere"]
+    for first, last in ((14, 20), (15, 20), (-5, 0), (-5, -1)):
+        assert [one.code for one in lacking(first, last)] == ["signal-elsewhere"]
+
+
+@pytest.mark.parametrize(("lack", "is_said"), [(SEC // 2, False), (SEC // 2 + 1, True)])
+def test_half_a_second_may_be_missing(lack, is_said):
+    """A nanosecond more is said, at the beginning and at the end."""
+    for t_ns in (np.append(np.arange(0, 13 * SEC, SEC // 100), 14 * SEC - lack), np.arange(lack, 15 * SEC, SEC // 100)):
+        touches = [touch(name, 5 * k * SEC, (5 * k + 4) * SEC) for k, name in enumerate("abc")]
+        found = apart_findings(take(None, touches, {"joints": signal("joints", t_ns, np.zeros((len(t_ns), 6)))}))
+        assert len(found) == is_said
+
+
+def test_every_signal_is_held_against_the_trajectories():
+    """Behind one that was derived, one that lies elsewhere, one without samples and one that lacks nothing."""
+    whole, short, away = (
+        np.arange(first * SEC, last * SEC + 1, SEC // 10) for first, last in ((0, 14), (0, 8), (50, 60))
+    )
+    times = {"a": short, "b": away, "c": np.zeros(0, np.int64), "d": whole, "e": short}
+    signals = {
+        name: signal(
+            name, t_ns, np.zeros((len(t_ns), 1)), ("temperature",), **({"derived_from": "x"} if name == "a" else {})
+        )
+        for name, t_ns in times.items()
+    }
+    found = apart_findings(take(None, [touch("t", 0, 14 * SEC)], signals))
+    assert [(one.code, one.stream) for one in found] == [("signal-elsewhere", "b"), ("signal-incomplete", "e")]
+
+
+def test_a_long_lack_is_told_to_the_hundredth_of_a_second():
+    """Of a trajectory of four months a signal has one second."""
+    (found,) = lacking(0, 1, touches=[touch("long", 0, 10**7 * SEC)])
+    assert "up to 9999999.00 s of them" in found.message
 
 
 def others(trajectory=-1, touches=(), **columns):
