@@ -7,11 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import typer
-from rich.markup import escape
 
 from tactiledata.cli.documents import wrong_document_is_wrong_usage
 from tactiledata.cli.given_values import listed_names
-from tactiledata.cli.output import JSON_OPTION, emit, err, progress, say
+from tactiledata.cli.output import JSON_OPTION, emit, err, plain, progress, say
 from tactiledata.cli.working_store import working_store
 from tactiledata.errors import UsageError
 
@@ -182,7 +181,7 @@ def _store(location: str, out: Path | None, options: Any, quiet: bool) -> tuple[
         def tell(sentence: str) -> None:
             """Print the first answer while gels on which it could rest are played in full."""
             if not quiet:
-                err().print(escape(f"First answer, from estimated plays: {sentence} The rest is played in full now."))
+                err().print(plain(f"First answer, from estimated plays: {sentence} The rest is played in full now."))
 
         diagnosis = diagnose_store(Store.open(location), options, report_play, report_step, tell)
         report_progress(plays[0] + STEPS, plays[0] + STEPS, "done")

@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import typer
-from rich.markup import escape
 
 from tactiledata import __version__
-from tactiledata.cli.output import emit, err
+from tactiledata.cli.output import emit, err, plain
 from tactiledata.errors import TactileDataError
 
 DEBUG_VARIABLE = "TACTILEDATA_DEBUG"
@@ -35,7 +34,7 @@ def report_failure(error: Exception, as_json: bool) -> int:
     if as_json:
         emit(_document(failure.found, failure.expected, failure.remedy, code))
     else:
-        err().print(f"[red]error:[/red] {escape(str(failure))}")
+        err().print(f"[red]error:[/red] {plain(str(failure))}")
     return code
 
 

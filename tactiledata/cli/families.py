@@ -6,10 +6,9 @@ from pathlib import Path
 from typing import Any
 
 import typer
-from rich.markup import escape
 
 from tactiledata.cli.documents import mapping_document
-from tactiledata.cli.output import JSON_OPTION, emit, err, findings, say, table
+from tactiledata.cli.output import JSON_OPTION, emit, err, findings, plain, say, table
 from tactiledata.contract.wording import counted
 from tactiledata.errors import TactileDataError, UsageError
 
@@ -153,7 +152,7 @@ def _inspections(sources: list[Any], mapping: Any) -> tuple[list[Any], dict[str,
 def _print_mapping(inspections: list[Any], failed: dict[str, str]) -> None:
     """Print the first draft of a mapping; refuse recordings that need none."""
     for key, reason in failed.items():
-        err().print(escape(f"{key}: cannot be read: {reason}"))
+        err().print(plain(f"{key}: cannot be read: {reason}"))
     suggestions = [item.suggested_text for item in inspections if item.suggested_mapping is not None]
     if suggestions:
         typer.echo(suggestions[0], nl=False)

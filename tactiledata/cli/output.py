@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 import time
 from collections.abc import Iterable, Iterator, Sequence
@@ -24,6 +25,9 @@ JSON_OPTION = typer.Option(False, "--json", help="Print one JSON document, for m
 QUIET_SECONDS = 60.0
 """Longest silence, in seconds, where progress is printed as lines: the next report after it is printed."""
 
+UNSEEN = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
+"""Characters that steer a terminal or turn the direction of writing, such as a name in a recording may hold."""
+
 COLOURS = {"damage": "red", "warning": "yellow", "info": "dim"}
 
 
@@ -37,9 +41,14 @@ def err() -> Console:
     return Console(file=sys.stderr, soft_wrap=not sys.stderr.isatty(), highlight=False)
 
 
+def plain(text: str) -> str:
+    """Return a text of any origin for a console: no markup is read in it, and no character steers the terminal."""
+    return escape(UNSEEN.sub(lambda found: found[0].encode("unicode_escape").decode(), text))
+
+
 def say(text: str) -> None:
     """Print a sentence for people on standard output."""
-    out().print(escape(text))
+    out().print(plain(text))
 
 
 def emit(document: Any) -> None:
@@ -60,12 +69,12 @@ def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> 
         Cells; integers get thousands separators.
     """
     listed = [list(row) for row in rows]
-    drawn = Table(title=escape(title) if title else None, title_justify="left", box=None, pad_edge=False)
+    drawn = Table(title=plain(title) if title else None, title_justify="left", box=None, pad_edge=False)
     for position, column in enumerate(columns):
         numeric = bool(listed) and all(isinstance(row[position], int | float) for row in listed)
         drawn.add_column(column, justify="right" if numeric else "left", overflow="fold")
     for row in listed:
-        drawn.add_row(*(escape(f"{cell:,}" if isinstance(cell, int) else str(cell)) for cell in row))
+        drawn.add_row(*(plain(f"{cell:,}" if isinstance(cell, int) else str(cell)) for cell in row))
     console = out()
     if not console.is_terminal:
         console = Console(file=sys.stdout, width=200, highlight=False)
@@ -80,7 +89,7 @@ def findings(found: Iterable[tuple[str, Finding]], most: int = 40) -> None:
     for where, finding in listed[:most]:
         colour = COLOURS[finding.severity]
         place = f"{where}: " if where else ""
-        text = f"{escape(place)}{escape(finding.message)} \\[{finding.code}]"
+        text = f"{plain(place)}{plain(finding.message)} \\[{finding.code}]"
         console.print(f"  [{colour}]{finding.severity:<7}[/{colour}] {text}")
     if len(listed) > most:
         console.print(f"  … and {len(listed) - most} more (all of them: --json)")
@@ -119,7 +128,7 @@ def progress(title: str, quiet: bool = False) -> Iterator[Progress]:
             tenth, now = done * 10 // max(total, 1), time.monotonic()
             if tenth != tenths[0] or now - moment[0] > QUIET_SECONDS:
                 tenths[0], moment[0] = tenth, now
-                console.print(escape(f"{title}: {done}/{total} {what}{time_left(done, total, now - began)}"))
+                console.print(plain(f"{title}: {done}/{total} {what}{time_left(done, total, now - began)}"))
 
         yield line
         return
@@ -127,4 +136,4 @@ def progress(title: str, quiet: bool = False) -> Iterator[Progress]:
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), *times)
     with ProgressBar(*columns, TextColumn("{task.fields[what]}"), console=console, transient=True) as bar:
         task = bar.add_task(title, total=None, what="")
-        yield lambda done, total, what="": bar.update(task, completed=done, total=total, what=escape(what[-40:]))
+        yield lambda done, total, what="": bar.update(task, completed=done, total=total, what=plain(what[-40:]))

@@ -29,6 +29,14 @@ CONTACT_AREA = 0.005
 CONTACT_BLUR = 1 / 100
 """Width of the blur over the longer side of the picture: it removes camera noise and JPEG blocks, and keeps a contact
 of 1 mm."""
+ONE_COLOUR = 3.0
+"""Grey levels: standard deviation of every channel below which a picture counts as of one colour. A covered or unlit
+camera's noise is 1 to 2; the bundled pictures of gels have 10 and more."""
+
+
+def is_one_colour(picture: PictureArray) -> bool:
+    """Whether a picture (H, W, 3) has one colour throughout, but for the noise of a camera."""
+    return bool(picture.reshape(-1, 3).std(axis=0).max() < ONE_COLOUR)
 
 
 def orientation_of(image: PictureArray, sensor: Sensor) -> Literal["ok", "swapped", "other size"]:

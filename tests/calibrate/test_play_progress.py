@@ -1,10 +1,59 @@
 """Finished plays are counted one by one, while whoever plays them is busy."""
 
 import threading
+from types import SimpleNamespace
 
+import numpy as np
+
+from tactiledata.calibrate import player
+from tactiledata.calibrate.plan import Node
 from tactiledata.calibrate.play_progress import PlayProgress
 
 SECONDS = 10.0
+
+
+class Touch:
+    """A touch of two frames, at a height of its own."""
+
+    def __init__(self, height):
+        solid = SimpleNamespace(vertices=np.zeros((3, 3)), faces=np.zeros((1, 3), int))
+        self.indenter = SimpleNamespace(document={"shape": "sphere"}, mesh=lambda: solid)
+        self.poses = np.full((2, 4, 4), height)
+
+    def deeper(self, offset):
+        return Touch(self.poses[0, 0, 0] + offset)
+
+
+def test_touches_of_a_batch_are_counted_before_it_ends(tmp_path, monkeypatch):
+    """Two touches at two offsets are one batch of four plays: the count is of plays, and moves after each of them."""
+    monkeypatch.setenv("TACTILEDATA_CACHE", str(tmp_path))
+    counts, news, in_time = [], threading.Condition(), []
+
+    def report(done, total, what=""):
+        with news:
+            counts.append((done, total))
+            news.notify_all()
+
+    class Engine:
+        surface = SimpleNamespace(patch_areas=np.ones(1))
+
+        def play(self, touches, material, keep):
+            for place in range(len(touches)):
+                yield (
+                    place,
+                    SimpleNamespace(wrench=np.zeros((2, 6)), status=np.zeros(2, np.int8), pressed=np.ones((2, 1))),
+                )
+                with news:
+                    in_time.append(news.wait_for(lambda place=place: (place + 1, 4) in counts, SECONDS))
+
+    monkeypatch.setattr(player, "make_engine", lambda *_: Engine())
+    nodes = [Node(0.45, 0.5, 0.0), Node(0.45, 0.5, 1e-4)]
+    mesh = SimpleNamespace(digest="ab" * 32)
+    found = player.play_nodes(mesh, "linear", [Touch(0.0), Touch(1.0)], nodes, 1, report)
+    assert [len(plays) for plays in found.values()] == [2, 2]
+    assert in_time == [True] * 4
+    assert counts[0] == (0, 4)
+    assert [done for done, _ in counts] == sorted(done for done, _ in counts)
 
 
 def test_each_file_that_appears_is_reported(tmp_path):

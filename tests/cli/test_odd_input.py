@@ -23,6 +23,23 @@ def test_very_long_and_unicode_names_survive(bench, capsys):
     assert name in Store.open(bench.folder / "new.zarr").trajectories(["trajectory"])["trajectory"].to_pylist()
 
 
+def test_names_do_not_steer_the_terminal(bench, capsys):
+    """Escape sequences and turned writing in a name are kept in the store, and printed as text."""
+    name = "p\x1b[31m\u202e0"
+    bench.lines("trajectories.csv", lambda rows: [rows[0], ",".join([name, *rows[1].split(",")[1:]]), *rows[2:]])
+    store = bench.folder / "new.zarr"
+    for arguments in (
+        ("ingest", bench.log, "--store", store), ("info", store), ("info", bench.folder / name),
+        ("sensors", "add", name, "--background", bench.folder / name, "--store", store),
+    ):  # fmt: skip
+        _, text = command(capsys, *arguments)
+        assert not {"\x1b", "\u202e"} & set(text), repr(text)
+    assert "\\x1b[31m\\u202e0" in text
+    from tactiledata.store.read.reader import Store
+
+    assert name in Store.open(store).trajectories(["trajectory"])["trajectory"].to_pylist()
+
+
 def test_a_full_disk_loses_nothing(bench, capsys, monkeypatch):
     """A full disk is named in the message, the store stays as it was, and a later run completes it."""
     before = (bench.store / "manifest.json").read_bytes()

@@ -394,3 +394,23 @@ def test_a_partner_that_is_missing_is_not_taken_from_the_other_side():
     with pytest.raises(UnknownName, match="fz_observed_N has no partner") as told:
         residuals_of(table)
     assert "Did you mean" not in str(told.value)
+
+
+@pytest.mark.parametrize(
+    ("times", "word"),
+    [
+        (lambda rows: 0.0, "left out, as they never change: time_s"),
+        (lambda rows: np.nan, "column time_s is left out: 100 % of its rows are empty"),
+        (lambda rows: np.where(rows % 4 == 0, -rows, np.nan), "column time_s is left out: 75 % of its rows are empty"),
+    ],
+)
+def test_a_time_that_says_nothing_is_no_time(times, word):
+    """A time that is empty or never changes is left out with a note: rows keep their order, and no memory fades."""
+    table = presses(trials=10)
+    found = residuals_of(table.assign(time_s=times(np.arange(len(table)))))
+    assert any(word in note for note in found.notes)
+    assert found.columns.time is None
+    np.testing.assert_array_equal(found.residuals.covariates["depth"].values, table["depth_mm"])
+    names = [atom.name for atom in atoms(found.residuals, found.columns.scales, found.columns.time)]
+    assert any("so far" in name for name in names)
+    assert not any("remembered" in name for name in names)

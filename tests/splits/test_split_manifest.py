@@ -241,14 +241,18 @@ def test_a_store_far_away_is_not_split(store):
         make_split(store)
 
 
-def test_a_folder_that_refuses_is_said(store, monkeypatch):
+@pytest.mark.parametrize(
+    ("error", "words"),
+    [(OSError(28, "No space left on device"), "No space left on device; expected"), (OSError("odd"), "odd; expected")],
+)
+def test_a_folder_that_refuses_is_said(store, monkeypatch, error, words):
     """A full disk ends in an error that names the folder, and leaves no half file."""
 
     def refuse(path, content):
-        raise OSError(28, "No space left on device")
+        raise error
 
     monkeypatch.setattr("tactiledata.splits.manifest.write_atomic", refuse)
-    with pytest.raises(StoreError, match="No space left"):
+    with pytest.raises(StoreError, match=f"splits: {words}"):
         make_split(store)
 
 

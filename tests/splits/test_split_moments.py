@@ -10,7 +10,7 @@ from test_split_twins import SECOND, recorded
 from tactiledata.splits.assign import assign
 from tactiledata.splits.audit import audit
 from tactiledata.splits.make import make_split
-from tactiledata.splits.moment_leaks import parted_moments, parted_recordings
+from tactiledata.splits.moment_leaks import _overlapping, parted_moments, parted_recordings
 from tactiledata.splits.moments import SIDES
 from tactiledata.splits.options import EXCLUDED, PARTITIONS, SplitOptions
 from tactiledata.splits.twins import ABSOLUTE_NS
@@ -167,8 +167,9 @@ def test_an_edited_split_is_reported(tmp_path):
     [(ABSOLUTE_NS, {}, 2), (0, {}, 0), (ABSOLUTE_NS, {"sensor": "A"}, 0), (ABSOLUTE_NS, {"source": 0}, 0),
      (ABSOLUTE_NS, {"source": 0, "sensor": "A"}, 0),
      (ABSOLUTE_NS, {"start_ns": ABSOLUTE_NS + 5_000, "end_ns": ABSOLUTE_NS + 9_000}, 0),
-     (ABSOLUTE_NS, {"parent": "p"}, 0), (ABSOLUTE_NS, {"sensor": ""}, 0), (ABSOLUTE_NS, {"end_ns": ABSOLUTE_NS}, 0)],
-    ids=["two", "boot clock", "twin", "one recording", "one place", "later", "derived", "unnamed", "empty"],
+     (ABSOLUTE_NS, {"parent": "p"}, 0), (ABSOLUTE_NS, {"sensor": ""}, 0), (ABSOLUTE_NS, {"end_ns": ABSOLUTE_NS}, 0),
+     (ABSOLUTE_NS, {"start_ns": ABSOLUTE_NS + 50, "end_ns": ABSOLUTE_NS + 10}, 0)],
+    ids=["two", "boot clock", "twin", "one recording", "one place", "later", "derived", "unnamed", "empty", "reversed"],
 )  # fmt: skip
 def test_moments_of_two_recordings_are_a_warning(clock, changes, count):
     """Sensors of two recordings at one absolute time, on two sides, are a warning: they may be two rigs."""
@@ -191,6 +192,74 @@ def test_a_twin_hides_no_other_sensor():
     """Beside a copy of itself on another side, a touch of another sensor is counted, and so are all three."""
     table = trajectories([{"source": k, "sensor": sensor, "start_ns": ABSOLUTE_NS} for k, sensor in enumerate("AAB")])
     assert [finding.count for finding in parted_recordings(table, codes("train", "val", "test"))] == [3]
+
+
+def test_a_second_touch_of_one_place_hides_no_other_sensor():
+    """Beside one of its own recording and sensor on another side, a touch of another recording and sensor is met."""
+    rows = [{"sensor": "A"}, {"sensor": "A"}, {"source": 1, "sensor": "B"}]
+    table = trajectories([{**row, "start_ns": ABSOLUTE_NS} for row in rows])
+    assert [finding.count for finding in parted_recordings(table, codes("train", "val", "test"))] == [3]
+
+
+@pytest.mark.parametrize(("pairs", "named"), [(1, "'t0', 't1'"), (2, "'t0', 't1', 't2' …")])
+def test_three_touches_of_two_recordings_are_named(pairs, named):
+    """All are counted; a sign says that there are more than are named."""
+    rows = [{"source": side, "sensor": "AB"[side], "start_ns": ABSOLUTE_NS + 10_000 * pair}
+            for pair in range(pairs) for side in (0, 1)]  # fmt: skip
+    (found,) = parted_recordings(trajectories(rows), codes(*["train", "test"] * pairs))
+    assert found.message.startswith(f"{2 * pairs} trajectories ({named}) overlap in time")
+
+
+def test_three_touches_of_three_recordings_are_all_named():
+    """No sign where none is left."""
+    rows = [{"source": k, "sensor": "ABC"[k], "start_ns": ABSOLUTE_NS} for k in range(3)]
+    (found,) = parted_recordings(trajectories(rows), codes("train", "val", "test"))
+    assert found.message.startswith("3 trajectories ('t0', 't1', 't2') overlap in time")
+
+
+def test_intervals_of_one_place_are_counted():
+    """Each interval's overlaps in its own place, itself included, as comparing all pairs says; touching is none."""
+    start = np.array([0, 3, 10, 30, 31, 7, 100, 5])
+    end = np.array([5, 9, 12, 33, 40, 11, 101, 7])
+    for place in (np.zeros(8, int), np.array([3, 3, 3, -1, -1, 3, 8, 8]), np.arange(8) % 4, np.arange(8)[::-1]):
+        pairs = (place[:, None] == place) & (np.maximum(start[:, None], start) < np.minimum(end[:, None], end))
+        assert _overlapping(place, start, end).tolist() == pairs.sum(axis=1).tolist()
+
+
+def test_only_sensors_of_the_same_moment_make_it_one_of_several():
+    """Touches of one sensor that overlap on two sides are another finding, whatever lies before and after them."""
+    rows = [{"sensor": "B"}, {"sensor": "A"}, {"sensor": "A", "start_ns": 10_000}, {"sensor": "C"}]
+    rows = [{"start_ns": 10_000 * k, **row} for k, row in enumerate(rows)]
+    assert parted_moments(trajectories(rows), codes("train", "train", "test", "val")) == []
+
+
+@pytest.mark.parametrize("child", ["0" * 16, "f" * 16])
+def test_a_derived_touch_has_no_say_in_the_side_of_a_moment(child):
+    """Where a held-out finger is unseen, another finger of a later recording is in no part, with what derives of it."""
+    rows = [{**row, "uid": f"a{k:015x}"} for k, row in enumerate(recorded())]
+    drawn = assign(trajectories(rows), NONE, {})["partition"].to_pylist()
+    learned = drawn.index("train")
+    again = {**rows[learned], "uid": "b" * 16, "source": 500}
+    other = {**again, "uid": "c" * 16, "sensor": "B"}
+    derived = {**other, "uid": child, "parent": other["uid"]}
+    # a touch of a third finger, so that something is left to learn from
+    third = [
+        {**row, "uid": f"d{k:015x}", "source": 600 + k, "sensor": "C"}
+        for k, row in enumerate(recorded(clock=ABSOLUTE_NS + 10**15))
+    ]
+    where = parts(assign(trajectories([*rows, again, other, derived, *third]), NONE, {"sensor": ("A",)}))
+    assert {where[row["uid"]] for row in rows} == {where["b" * 16]} == {"test_unseen"}
+    assert where["c" * 16] == where[child] == EXCLUDED
+
+
+def test_a_touch_over_two_of_its_sensor_is_drawn_by_the_earlier():
+    """A later recording of one sensor that bridges two touches of one side goes with the first of them."""
+    rows = [{**row, "uid": f"a{k:015x}"} for k, row in enumerate(recorded())]
+    before = assign(trajectories(rows), NONE, {})["partition"].to_pylist()
+    alike = next(k for k in range(59) if before[k] == before[k + 1])
+    bridge = {**rows[alike], "uid": "b" * 16, "source": 500, "end_ns": rows[alike + 1]["end_ns"]}
+    found = assign(trajectories([*rows, bridge]), NONE, {}).to_pylist()[-1]
+    assert (found["group"], found["partition"]) == (rows[alike]["uid"], before[alike])
 
 
 @FEW

@@ -51,6 +51,14 @@ def test_a_copy_stands_with_its_original(tmp_path, only):
     assert audit(store, images=False).findings == ()
 
 
+def test_a_copy_in_the_very_next_recording_stands_with_its_original():
+    """A store of one recording and its copy alone: the second follows the first."""
+    rows = recorded(per_source=60)
+    twins = [{**row, "source": 1} for row in copied(rows)]
+    found = group_trajectories(trajectories([*rows, *twins])).group
+    assert found == [row["uid"] for row in trajectories(rows).to_pylist()] * 2
+
+
 @pytest.mark.parametrize(("shift", "is_twin"), [(0, True), (1, False)])
 def test_unnamed_sensors_are_told_by_equal_spans(shift, is_twin):
     """A sensor without a name is called otherwise in each recording: twins have equal spans, to the nanosecond."""

@@ -9,12 +9,14 @@ import numpy as np
 import pytest
 from copied_trees import copy_tree
 
-from tactiledata.errors import UsageError
+from tactiledata.errors import StoreError, UsageError
 from tactiledata.ingest.pipeline import ingest
+from tactiledata.sensors.backgrounds import load_background
 from tactiledata.store.change.add_sensor import add_sensor, remove_sensor
 from tactiledata.store.check.check import check
 from tactiledata.store.read.free_air import free_air_median
 from tactiledata.store.read.reader import Store
+from tactiledata.store.write.recover import begin_commit
 
 
 @pytest.fixture
@@ -90,3 +92,48 @@ def test_a_touch_is_told_by_the_stores_own_frames(store: Path, tmp_path: Path, m
         add_sensor(store, serial, tmp_path / "touched.png", replace=True)
     add_sensor(store, serial, tmp_path / "free.png", replace=True)
     assert "free.png" in Store.open(store).reference(serial).origin
+
+
+def test_facts_that_were_changed_are_not_believed(store: Path) -> None:
+    """One character of a sensor's facts is another: reading them names the sensor; all other reading goes on."""
+    place = store / "sensors.json"
+    place.write_text(place.read_text().replace("digit", "dihit", 1))
+    opened = Store.open(store)
+    with pytest.raises(
+        StoreError, match=r"the facts of sensor \S+ in .*sensors\.json are not those that were written.*from a copy"
+    ):
+        opened.sensors()
+    assert opened.trajectories().num_rows > 0
+    assert "store-sensors" in {finding.code for finding in check(store, images=False)}
+
+
+def test_facts_of_a_commit_that_was_killed_are_read(store: Path) -> None:
+    """A commit that ended between the sensors' file and the manifest left newer facts: they are no damage."""
+    place = store / "sensors.json"
+    before = Store.open(store).sensors()
+    begin_commit(store, Store.open(store).manifest)
+    place.write_text(place.read_text().replace("digit", "other", 1))
+    assert Store.open(store).sensors() == before
+
+
+@pytest.mark.parametrize("name", ["a\nb", "a\x1b[2Jb", "\0", "a/b", "a\\b", "..", ".", " ", "", "n" * 201])
+def test_what_is_no_name_of_a_sensor_is_refused(store: Path, picture: Path, name: str) -> None:
+    """The names that log.yaml may not have, a picture may not have either: the store keeps its sensors."""
+    before = Store.open(store).digest
+    with pytest.raises(UsageError, match="sensor name"):
+        add_sensor(store, name, picture)
+    assert Store.open(store).digest == before
+    add_sensor(store, "Fühler-1 (links)", picture)
+
+
+def test_a_picture_of_one_colour_is_said(store: Path, picture: Path, tmp_path: Path) -> None:
+    """A grey or black picture is kept and said, whatever its size; one of a gel is not."""
+    cv2.imwrite(str(tmp_path / "black.png"), np.zeros((20, 20, 3), np.uint8))
+    gel = load_background("digit-bg-3")
+    cv2.imwrite(str(tmp_path / "gel.png"), gel[..., ::-1])
+    said = {
+        file: {finding.code: finding.severity for finding in add_sensor(store, f"of {file}", tmp_path / file)}
+        for file in ("grey.png", "black.png", "gel.png")
+    }
+    assert said["grey.png"]["background-blank"] == said["black.png"]["background-blank"] == "warning"
+    assert "background-blank" not in said["gel.png"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -83,11 +83,15 @@ def residuals_of(frame: pd.DataFrame, document: dict[str, Any] | None = None, gr
     rows = _without_strays(_whole_rows(frame, columns, notes), columns, notes)
     groups = _group_numbers(rows[columns.group])
     time = columns.covariates[columns.time][0] if columns.time else None
+    if time and not (np.abs(rows[time].to_numpy(dtype=float, na_value=np.nan)) < LARGEST).all():
+        time = None
     order = np.lexsort((rows[time].to_numpy(dtype=float), groups)) if time else np.argsort(groups, kind="stable")
     rows, groups = _thinned(rows.iloc[order], groups[order], notes)
     _enough_groups(rows[columns.group], columns.group)
     # covariates, also the number of the group and the time since steps of a held covariate
     covariates = _covariates(rows, columns, notes)
+    if columns.time not in covariates:
+        columns = replace(columns, time=None)
     covariates.setdefault("index", Covariate(groups.astype(np.float64), "1"))
     starts = np.flatnonzero(np.diff(groups, prepend=-1) != 0)
     covariates = times_since_steps(covariates, starts, columns.time) | covariates

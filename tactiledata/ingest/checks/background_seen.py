@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 from tactiledata.arrays import PictureArray
 from tactiledata.contract.records import Finding
 from tactiledata.contract.take import UNUSABLE, Take
-from tactiledata.ingest.checks.blank_images import is_one_colour
 from tactiledata.sensors import SENSORS
-from tactiledata.sensors.image_checks import channel_order, shows_contact, size_orientation
+from tactiledata.sensors.image_checks import channel_order, is_one_colour, shows_contact, size_orientation
 from tactiledata.store.read.free_air import FREE_AIR, LEAST_FRAMES
 
 MOST_FRAMES = 8

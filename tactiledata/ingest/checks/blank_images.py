@@ -9,10 +9,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.arrays import PictureArray
 from tactiledata.contract.records import Finding
 from tactiledata.contract.wording import counted
 from tactiledata.ingest.checks.spooled import SpooledImages
+from tactiledata.sensors.image_checks import is_one_colour
 
 SMALL = 0.8
 """Images whose bytes are below this share of their camera's median are decoded: few, as a touch changes little of a
@@ -20,16 +20,8 @@ file. A black image whose noise fills as many bytes as a picture is not seen, un
 one."""
 SMALL_BLANK = 2.0
 """Where the first, middle or last image is of one colour, images of up to this many times its bytes are decoded."""
-ONE_COLOUR = 3.0
-"""Grey levels: standard deviation of every channel below which a picture counts as of one colour. A covered or unlit
-camera's noise is 1 to 2; the bundled pictures of gels have 10 and more."""
 MOST_NAMED = 3
 """Images that a sentence names."""
-
-
-def is_one_colour(picture: PictureArray) -> bool:
-    """Whether a picture (H, W, 3) has one colour throughout, but for the noise of a camera."""
-    return bool(picture.reshape(-1, 3).std(axis=0).max() < ONE_COLOUR)
 
 
 def blank_images(images: SpooledImages) -> tuple[NDArray[np.int64], list[Finding]]:

@@ -17,7 +17,7 @@ from tactiledata.errors import BrokenLog, MissingFile, UsageError
 from tactiledata.sensors import SENSORS
 from tactiledata.sensors.average_background import average_background, refuse_swapped_channels
 from tactiledata.sensors.base import Sensor
-from tactiledata.sensors.image_checks import CONTACT_LEVELS, orientation_of, shows_contact
+from tactiledata.sensors.image_checks import CONTACT_LEVELS, is_one_colour, orientation_of, shows_contact
 from tactiledata.store.change.keep_sensors import BY_HAND, keep_sensors, remove_picture
 from tactiledata.store.layout.lock import writing_lock
 from tactiledata.store.layout.places import INTAKE_LOCK
@@ -70,8 +70,12 @@ def add_sensor(
     UnknownName
         No such model.
     """
-    if not name.strip() or "/" in name or "\\" in name or len(name) > 200:
-        raise UsageError(f"sensor name {name[:60]!r}", "1 to 200 characters without slashes", "Use the serial.")
+    if not name.strip() or name in {".", ".."} or len(name) > 200 or any(char in "/\\" or char < " " for char in name):
+        raise UsageError(
+            f"sensor name {name[:60]!r}",
+            "1 to 200 characters without slashes and control characters",
+            "Use the serial.",
+        )
     paths = [background] if isinstance(background, Path) else list(background)
     names = [path.name for path in paths]
     read = [read_picture(path) for path in paths]
@@ -179,6 +183,9 @@ def _findings(name: str, image: NDArray[np.uint8], sensor: Sensor, n_frames: int
         return [Finding("sensor-without-camera", "warning", text)]
     alone = f"{name!r} has one frame as its background: whether it shows a touch cannot be told; several frames tell"
     found = [Finding("background-one-frame", "info", alone)] if n_frames == 1 else []
+    if is_one_colour(image):
+        blank = f"the picture of {name!r} is of one colour throughout, as no picture of a gel is"
+        found.append(Finding("background-blank", "warning", f"{blank}. Take it again with the light on"))
     rows, columns = sensor.camera.shape
     verdict = orientation_of(image, sensor)
     if verdict == "ok":

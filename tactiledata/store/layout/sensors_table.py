@@ -109,6 +109,11 @@ def parse_sensors(content: bytes | None, manifest: Mapping[str, Any], where: str
         ) from error
 
 
+def changed_facts(facts: Facts, manifest: Mapping[str, Any]) -> list[str]:
+    """Sensors whose facts do not fit the digests of a manifest."""
+    return [sensor for sensor, values in facts.items() if digest_of(values) != manifest["sensors"][sensor]]
+
+
 def read_sensors(store_path: Path, manifest: Mapping[str, Any]) -> Facts:
     """Facts of the sensors of a local store."""
     place = store_path / sensors_path(home_of(manifest))

@@ -23,14 +23,14 @@ from tactiledata.store.layout.places import (
     frame_values_path,
     home_of,
     reference_path,
-    sensors_path,
 )
-from tactiledata.store.layout.sensors_table import Facts, image_crc, parse_sensors
+from tactiledata.store.layout.sensors_table import Facts, image_crc
 from tactiledata.store.read.files import StoreFiles, missing_file, open_files
 from tactiledata.store.read.index_tables import IndexTables
 from tactiledata.store.read.meshes import StoredMesh
 from tactiledata.store.read.pictures import Pictures
 from tactiledata.store.read.rows import Rows, checked_rows
+from tactiledata.store.read.sensor_facts import sensor_facts
 from tactiledata.store.read.signal_rows import Meaning, SignalRows
 
 RowState = tuple[int, int, str]
@@ -265,12 +265,7 @@ class Store:
 
     def sensors(self) -> Facts:
         """What is known of each sensor, by serial."""
-        place = sensors_path(home_of(self.manifest))
-        try:
-            content = self._files.read(place) if self.manifest["sensors"] else None
-        except FileNotFoundError as error:
-            raise missing_file(place, self.location) from error
-        return parse_sensors(content, self.manifest, f"{self.location}/{place}")
+        return sensor_facts(self._files, self.manifest)
 
     def references(self) -> dict[str, Reference]:
         """Pictures without contact, by sensor."""

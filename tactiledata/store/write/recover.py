@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 from tactiledata.contract.atomic import write_atomic
-from tactiledata.contract.provenance import digest_of
 from tactiledata.errors import StoreError
 from tactiledata.store.layout.arrays import clear_rows, drop_chunks, set_length
 from tactiledata.store.layout.batch import Batch
@@ -35,7 +34,7 @@ from tactiledata.store.layout.places import (
     signal_path,
     table_folder,
 )
-from tactiledata.store.layout.sensors_table import Facts, parse_sensors, read_sensors, write_sensors
+from tactiledata.store.layout.sensors_table import Facts, changed_facts, parse_sensors, read_sensors, write_sensors
 from tactiledata.store.read.meshes import mesh_arrays
 from tactiledata.store.write.writer import find_staged
 
@@ -158,17 +157,13 @@ def sensors_before(store_path: Path, manifest: Mapping[str, Any]) -> Facts:
     """Facts of the sensors as the manifest has their digests, though an interrupted commit may have added to them."""
     facts = read_sensors(store_path, manifest)
     marker = store_path / STAGING / COMMITTING
-    if _are_those_of(facts, manifest) or not marker.exists():
+    if not changed_facts(facts, manifest) or not marker.exists():
         return facts
     try:
         kept = parse_sensors(marker.read_bytes(), manifest, str(marker))
     except StoreError:  # the commit did not change them
         return facts
-    return kept if _are_those_of(kept, manifest) else facts
-
-
-def _are_those_of(facts: Facts, manifest: Mapping[str, Any]) -> bool:
-    return {sensor: digest_of(values) for sensor, values in facts.items()} == manifest["sensors"]
+    return facts if changed_facts(kept, manifest) else kept
 
 
 def drop_unnamed(store_path: Path, manifest: Mapping[str, Any]) -> None:

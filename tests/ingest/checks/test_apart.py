@@ -9,7 +9,14 @@ from copied_trees import copy_tree
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.ingest.trajectories.assemble import IngestOptions
 
-CODES = {"signal-elsewhere", "clock-apart", "images-of-another-sensor", "camera-stuck", "no-free-air"}
+CODES = {
+    "signal-elsewhere",
+    "signal-incomplete",
+    "clock-apart",
+    "images-of-another-sensor",
+    "camera-stuck",
+    "no-free-air",
+}
 
 
 def said(log, place, **options):
@@ -36,6 +43,15 @@ def test_a_force_sensor_on_another_clock(tiny_folders, tmp_path, change, code):
     lines = [",".join(head), *(",".join([str(change(int(row[0]))), *row[1:]]) for row in rows)]
     (log / "wrench.csv").write_text("\n".join(lines) + "\n")
     assert said(log, tmp_path) == {(code, "wrench")}
+
+
+@pytest.mark.parametrize(("stream", "also"), [("wrench", set()), ("tcp", {("no-free-air", "wrench")})])
+def test_a_recorder_that_stopped(tiny_folders, tmp_path, stream, also):
+    """A table that ends, line by line whole, in the middle of the recording; without poses no weight is taken off."""
+    log = copy_tree(tiny_folders[0], tmp_path / "log")
+    lines = (log / f"{stream}.csv").read_text().splitlines(keepends=True)
+    (log / f"{stream}.csv").write_text("".join(lines[: len(lines) // 2]))
+    assert said(log, tmp_path) == {("signal-incomplete", stream), *also}
 
 
 def test_images_under_another_serial(tiny_mcaps, tmp_path):

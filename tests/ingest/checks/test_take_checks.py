@@ -5,9 +5,12 @@ import dataclasses
 import numpy as np
 import pytest
 
+from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Source
 from tactiledata.contract.take import FrameFlag, Reference
+from tactiledata.ingest.checks.background_seen import touched_findings
 from tactiledata.ingest.checks.checks import FT_RANGE, broken_images, check_take, flag_images
+from tactiledata.ingest.checks.plausible import mesh_findings
 from tactiledata.ingest.checks.spooled import SpooledImages
 from tactiledata.sensors import SENSORS
 from tactiledata.sensors.backgrounds import bundled_backgrounds, load_background
@@ -151,6 +154,32 @@ def test_known_colours_tell_which_picture_of_a_digit_is_swapped():
     }
 
 
+def test_half_of_the_pictures_are_no_proof_of_swapped_channels():
+    """More than half must agree with a BGR picture without contact, and only pictures that can be compared count."""
+    swapped = Reference(BGR, "a file")
+    assert channels([BGR, DIGIT, None], swapped) == []
+    assert channels([BGR[::2], BGR[::2], BGR[::2]], swapped) == []
+    [both] = channels([BGR, BGR, DIGIT], swapped)
+    assert both.message.startswith("images of 'D1' and its picture without contact look like BGR")
+    [own] = channels([BGR, DIGIT, DIGIT], swapped)
+    assert own.message.startswith("the picture without contact of 'D1' looks like BGR") or "its images" in own.message
+
+
+@pytest.mark.parametrize("model", ["biotac", "gelsight_mini"])
+def test_only_digits_have_known_colours(model):
+    """Of other models, whatever their names, nothing is said without a picture, or where both are swapped alike."""
+    assert channels([BGR] * 3, None, model) == []
+    assert channels([BGR] * 3, Reference(BGR, "a file"), model) == []
+    [finding] = channels([DIGIT] * 3, Reference(BGR, "a file"), model)
+    assert finding.message.startswith("images of 'D1' look like BGR against the sensor's background")
+
+
+def test_a_background_of_another_size_has_no_known_colours():
+    """Only a picture as a DIGIT takes it is held against those of known DIGITs."""
+    small = np.ascontiguousarray(BGR[:100, :100])
+    assert channels([small] * 3, Reference(small, "a file")) == []
+
+
 PRESSED = DIGIT.copy()
 PRESSED[140:180, 100:140] //= 2
 
@@ -196,6 +225,39 @@ def test_three_frames_in_free_air_are_needed_to_judge_a_background():
         assert "background-touched" not in {
             one.code for one in said(made, lambda rows, shown=shown: [shown] * len(rows))
         }
+
+
+def touched(count, shown, stated=PRESSED, **columns):
+    """Rows that are decoded for a background, and whether it is said to show a touch."""
+    asked = []
+
+    def decode(rows):
+        asked.append(rows.tolist())
+        return [shown(row) for row in rows.tolist()]
+
+    rows, wide = SENSORS["digit"].camera.shape
+    table = frames(count, height=rows, width=wide, **{"contact_force": 0.0, **columns})
+    made = take(table, sensors={"D1": {"model": "digit"}}, references={"D1": Reference(stated, "a file")})
+    return asked, [one.code for one in touched_findings("D1", made, decode)]
+
+
+def test_eight_frames_in_free_air_judge_a_background():
+    """From the first to the last of the sensor's own usable ones, evenly; where there are fewer, all of them."""
+    assert touched(36, lambda _: DIGIT) == ([[0, 5, 10, 15, 20, 25, 30, 35]], ["background-touched"])
+    assert touched(3, lambda _: DIGIT) == ([[0, 1, 2]], ["background-touched"])
+    flags = [0, FrameFlag.BROKEN, 0, FrameFlag.MISSING, 0, 0]
+    for other in ("D0", "D2"):
+        sensor = ["D1"] * 5 + [other]
+        assert touched(6, lambda _: DIGIT, flags=flags, sensor=sensor) == ([[0, 2, 4]], ["background-touched"])
+    assert touched(2, lambda _: DIGIT) == ([], [])
+
+
+def test_three_pictures_that_can_be_compared_judge_a_background():
+    """Their middle level counts, so that one pressed picture among three changes nothing; two are too few."""
+    assert touched(5, lambda row: DIGIT if row < 3 else None)[1] == ["background-touched"]
+    assert touched(5, lambda row: DIGIT if row < 2 else DIGIT[::2])[1] == []
+    assert touched(3, lambda row: PRESSED if row == 1 else DIGIT)[1] == ["background-touched"]
+    assert touched(3, lambda row: PRESSED if row == 1 else DIGIT, DIGIT)[1] == []
 
 
 def stuck(crc, force, **columns):
@@ -248,6 +310,17 @@ def test_torques_beyond_the_range_of_the_sensor(column):
     assert ("torque-out-of-range", "warning", "wrench", 4) in told(found)
     text = next(one.message for one in found if one.code == "torque-out-of-range")
     assert "4 samples are beyond 30 N m, the range of" in text
+    values[:, column] = 30.5
+    assert "torque-out-of-range" in codes_of(values)
+
+
+@pytest.mark.parametrize("column", range(6))
+def test_each_component_is_held_against_its_own_range(column):
+    """A load of 400 beyond both ranges is said of forces in one of the first three columns, else of torques."""
+    values = np.zeros((4, 6))
+    values[2, column] = 400.0
+    beyond = {code for code in codes_of(values) if code.endswith("-out-of-range")}
+    assert beyond == {"force-out-of-range" if column < 3 else "torque-out-of-range"}
 
 
 def codes_of(values):
@@ -267,17 +340,36 @@ def test_a_mesh_that_is_not_there_is_named(tmp_path):
         one = dataclasses.replace(take(description=document), source=Source(str(path), "run", "mcap", ()))
         return [finding for finding in said(one) if finding.code == "mesh-missing"]
 
+    def path_of(place):
+        return place if place.is_dir() else tmp_path
+
     for place in (tmp_path / "run", tmp_path / "run.mcap"):
         found = missing(place)
         assert [one.severity for one in found] == ["warning"] * 2
         assert "indenters.part names the mesh 'solids/part.stl'" in found[0].message
         assert "sensors.D1.gel names the mesh 'gel.msh'" in found[1].message
         assert "--indenters FOLDER" in found[0].message
+        assert f"there is no such file in {path_of(place)}:" in found[0].message
     (tmp_path / "solids").mkdir()
     (tmp_path / "solids" / "part.stl").write_bytes(b"solid")
     (tmp_path / "run" / "gel.msh").write_bytes(b"")
     assert missing(tmp_path / "run") == []
     assert [one.message.split(" ")[0] for one in missing(tmp_path / "run.mcap")] == ["sensors.D1.gel"]
+
+
+def test_a_mesh_outside_of_the_recording_is_not_looked_for(tmp_path):
+    """A path that leads out has a finding of its own; a link that leads out is no file beside the recording."""
+    (tmp_path / "run").mkdir()
+    (tmp_path / "outside.stl").write_bytes(b"solid")
+    (tmp_path / "run" / "inside.stl").symlink_to(tmp_path / "outside.stl")
+
+    def missing(name):
+        one = LogDescription({"indenters": {"part": {"mesh": name, "unit": "mm"}}})
+        return [finding.code for finding in mesh_findings(one, tmp_path / "run")]
+
+    assert missing("../nobody.stl") == missing("/nobody.stl") == []
+    assert missing("inside.stl") == missing("nobody.stl") == ["mesh-missing"]
+    assert missing("outside.stl") == []
 
 
 def empty_of(count, table=None):

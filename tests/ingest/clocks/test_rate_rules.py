@@ -127,6 +127,7 @@ def test_a_force_sensor_that_never_changes_was_not_read():
     values = np.zeros((50, 2))
     (finding,) = rate_findings("wrench", FORCE, measure_rate(t_ns, values))
     assert (finding.code, finding.severity, finding.count) == ("force-stuck", "warning", 50)
+    assert finding.message.startswith("wrench: all 50 samples are the same,")
     values[-1] = 1
     (finding,) = rate_findings("wrench", FORCE, measure_rate(t_ns, values))
     assert finding.code == "repeated-samples"

@@ -207,6 +207,21 @@ def test_two_that_return_to_one_level_were_in_free_air():
     assert free((0, 9), (9, 9.3), (9.3, 9.3)) == ""
     assert free((9, 9), (9.2, 9.2)) == "ab"
     assert free((9, 9), (9.21, 9.21)) == ""
+    assert free((5, 5), (9, 9), (9, 9)) == "bc"
+
+
+def test_two_tenths_of_a_newton_are_calm():
+    """A zero that moved by exactly the limit, inside a trajectory or to its neighbour, has not moved."""
+    assert free((0, 0.2), (0.2, 0.2)) == "ab"
+    assert free((0, np.nextafter(0.2, 1)), (0.2, 0.2)) == ""
+    assert free((0, 0), (0.2, 0.2)) == "ab"
+    assert free((0, 0), (np.nextafter(0.2, 1), 0.3)) == ""
+
+
+def test_one_neighbour_proves_free_air_only_where_it_is_proved_itself():
+    """A touch that returns to its level alone proves nothing of the next; nor does a free one that ends pressed."""
+    assert free((9, 9), (9, 0)) == ""
+    assert free((9, 9), (9, 9), (9, 5), (5, 0)) == "abc"
 
 
 def test_what_is_not_known_proves_no_free_air():

@@ -153,6 +153,66 @@ def test_two_touches_at_one_level_far_from_the_zero_are_said(level, is_said):
         assert "(t0, t1) begin up to 8.00 N from what the sensor reads most of the time" in said["zero-far"].message
 
 
+@pytest.mark.parametrize(("level", "distance"), [(6.0, None), (-4.0, None), (7.5, "6.50"), (-5.5, "6.50")])
+def test_how_far_a_level_is_counts_from_the_zero_of_the_recording(level, distance):
+    """Just 5 N from a usual reading of 1 N are not said; torques do not count, and the farthest level is named."""
+    touch = [(level, 50), (level + 9, 50), (level, 50)]
+    levels = [(1, 600), *touch, *touch, (1, 50), (9, 50), (1, 600)]
+
+    def change(load):
+        load[600:900, 3:] += 40
+
+    bias, said = zeroed(levels, [(600, 750), (750, 900), (900, 1000)], change=change)
+    assert (bias[650], bias[800], bias[950]) == (level, level, 1.0)
+    assert ("zero-far" in said) == (distance is not None)
+    if distance:
+        assert said["zero-far"].count == 2
+        assert f"2 trajectories (t0, t1) begin up to {distance} N from" in said["zero-far"].message
+
+
+def test_a_zero_far_off_is_that_of_the_beginning():
+    """Where a stated tare inside moves the reading back, the level before it is the one that is said."""
+    levels = [(1, 600), *[(9, 50), (18, 50), (9, 50)] * 2, (9, 30), (0, 30), (11, 50), (0, 640)]
+    bias, said = zeroed(levels, [(600, 750), (750, 900), (900, 1050)], [930])
+    assert (bias[910], bias[1000]) == (9.0, 0.0)
+    assert said["zero-far"].count == 3
+    assert "(t0, t1, t2) begin up to 8.00 N from" in said["zero-far"].message
+
+
+def test_what_is_pressed_all_the_time_is_no_free_air():
+    """Two neighbours that read 8 N throughout, and no touch, have no free air of their own."""
+    bias, said = zeroed([(0, 600), (8, 300), (0, 600)], [(600, 750), (750, 900)])
+    assert (bias[650], bias[800]) == (0.0, 0.0)
+    assert (said["no-free-air"].count, "zero-far" in said) == (2, False)
+
+
+def test_how_far_a_beginning_is_off_is_told_of_the_farthest_that_is_known():
+    """Of its first ten sound samples, after the zero that was taken, forces alone; nothing is known of NaN."""
+
+    def change(load):
+        load[100:110, 2] = np.nan
+        load[100:190, 4] = 30
+        load[300:400] = np.nan
+
+    levels = [(1, 100), (13.5, 20), (20, 70), (1, 110), (2, 100), (1, 200)]
+    bias, said = zeroed(levels, [(100, 190), (300, 400)], change=change)
+    assert (bias[150], bias[350]) == (1.0, 1.0)
+    assert said["no-free-air"].count == 2
+    assert "(t0, t1); the nearest" in said["no-free-air"].message
+    assert "They begin up to 12.50 N off it" in said["no-free-air"].message
+
+
+def test_a_trajectory_without_a_sound_sample_is_off_by_nothing_that_is_known():
+    """Its samples are there and all NaN: no free air, and no newtons to name."""
+
+    def change(load):
+        load[100:200] = np.nan
+
+    _, said = zeroed([(1, 100), (5, 100), (1, 200)], [(100, 200)], change=change)
+    assert said["no-free-air"].count == 1
+    assert "They begin up to 0.00 N off it" in said["no-free-air"].message
+
+
 def test_samples_that_are_not_known_are_no_free_air():
     """A sample that lacks one component counts neither for the ten nor for the median."""
 
@@ -347,6 +407,7 @@ def far_off(*levels, tares=(340,)):
 def test_a_start_far_off_is_free_air_where_the_end_is():
     """A start far off is free air with a tare inside, a touch, and air at the end; else the zero is another one's."""
     assert far_off((8, 40), (0, 60), (9, 60), (0, 40)) == ([(0.0, 300), (8.0, 40), (0.0, 160)], False)
+    assert far_off((8, 40), (0, 60), (9, 60), (0, 1)) == ([(0.0, 300), (8.0, 40), (0.0, 121)], False)
     assert far_off((8, 40), (0, 60), (9, 60))[1]
     assert far_off((8, 40), (0, 160))[1]
     assert far_off((8, 100), (17, 60), (8, 40), tares=())[1]

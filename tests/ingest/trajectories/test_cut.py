@@ -87,6 +87,14 @@ def test_a_frame_that_names_its_trajectory_belongs_there():
     assert assigned([0]) == [0]
 
 
+def test_a_frame_that_names_a_parted_trajectory_belongs_to_the_part_of_its_sensor():
+    """Whatever its time; a trajectory of just that name comes first, and a part of another sensor is not its own."""
+    parts = (Trajectory("a-D1", 0, 10, "D1"), Trajectory("a-D2", 0, 10, "D2"), Trajectory("b", 20, 30, "D2"),
+             Trajectory("b-D2", 40, 50, "D2"))  # fmt: skip
+    rows = assign_frames(parts, np.full(5, 99), ["D1", "D2", "D3", "D2", "D2"], ["a", "a", "a", "b", ""])
+    assert rows.tolist() == [0, 1, -1, 2, -1]
+
+
 def test_a_frame_lies_within_its_own_trajectory():
     """Half-open; a frame of none lies within none, whatever the last one holds."""
     rows = np.array([0, 0, 0, 1, 1, -1, 2, 0], np.int32)

@@ -74,6 +74,25 @@ def test_a_trajectory_of_several_sensors_is_one_for_each():
     assert "(a): each is kept once a sensor, as 'a-<serial>'" in said[0].message
 
 
+def test_three_trajectories_of_several_sensors_are_named():
+    """A fourth is a sign; the first one is the example, and a name that is taken twice is numbered on."""
+    for count, ending in ((3, "(a, b, c): each"), (4, "(a, b, c …): each")):
+        touches = [Trajectory(name, 2 * number, 2 * number + 2) for number, name in enumerate("abcd"[:count])]
+        _, sensors, [said] = named(["D1", "D2"] * count, touches)
+        assert sensors == ["D1", "D2"] * count
+        assert said.count == count
+        assert said.message.startswith(f"{count} trajectories name no sensor and hold images of several {ending}")
+        assert "as 'a-<serial>'" in said.message
+    captured = CapturedFrames(
+        pa.table({"camera": ["x", "y"], "trajectory": ["", ""]}), np.arange(2), ["D1", "D2"], {}, []
+    )
+    taken = (Trajectory("a", 0, 2), Trajectory("a-D2", 5, 6, "D2"), Trajectory("a-D2~2", 6, 7, "D2"))
+    _, found = name_sensors(
+        Recording(Source("p", "k", "folder", ()), LogDescription()), captured, taken, SHA, [].append
+    )
+    assert [one.name for one in found] == ["a-D1", "a-D2~3", "a-D2", "a-D2~2"]
+
+
 def test_without_images_the_only_sensor_is_that_of_all_trajectories():
     """Where another trajectory names one; two that are named, or none, lend nothing."""
     touches = [Trajectory("a", 0, 2), Trajectory("b", 2, 3, "D1")]
