@@ -34,7 +34,10 @@ FORMAT = "tactiledata-diagnosis/1"
 
 
 def table_document(table: Table, explanation: Explanation, digest: str, seed: int) -> dict[str, Any]:
-    """Return the diagnosis of a table as a document; the same table and seed give the same document.
+    """Return the diagnosis of a table as `diagnosis.json`, checked against its schema.
+
+    It holds the verdict and its sentences, what each locator found before and after the formula, the formula with its
+    errors on unseen groups, and where all of this comes from. The same table and seed give the same document.
 
     Parameters
     ----------

@@ -137,7 +137,9 @@ class Contributions:
 
 
 def contributions(projection: ProjectedResiduals, place: int, instruments: Array) -> Contributions:
-    """Scores of letting one shared parameter vary with instruments; see `along`.
+    """Return scores of one shared parameter varying with each of c instruments, one from each unit of exchange.
+
+    They are those of `along` with the field that a change of the parameter makes.
 
     Parameters
     ----------

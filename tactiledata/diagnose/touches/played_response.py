@@ -80,6 +80,9 @@ class PlayedResponse:
     def _sheared(self, unit: Array, shift: Array, spring: Array, limit: Array, centre: Array) -> Array:
         """Change (n, 6) of the wrench over Young's modulus by a shift that differs from frame to frame.
 
+        It is 0 where the shift is the same in all frames: the plays have that shift already. With the change, the shear
+        exceeds neither the friction limit nor, where it was above that before, its earlier size.
+
         Parameters
         ----------
         unit : (n, 6)
