@@ -43,6 +43,7 @@ def last_of(hidden, phase, position=(0.004, 0.0), indenter="ball", steps=(PRESS,
 
 
 def test_a_cap_falls_as_its_slope_says():
+    """A cap has the height of a sphere, its slope is the derivative of that height, and a flat cap does not fall."""
     cap, step = Cap(1 / RADIUS), 1e-6
     x, y = np.array([0.003, -0.005]), np.array([0.001, 0.004])
     np.testing.assert_allclose(cap.fall(x, y), RADIUS - np.sqrt(RADIUS**2 - x**2 - y**2), rtol=1e-12)
@@ -79,6 +80,7 @@ def test_without_friction_the_force_is_along_the_normal(form):
 
 @pytest.mark.parametrize("form", [{}, pytest.param(LAYER, marks=pytest.mark.slow)], ids=["closed", "layer"])
 def test_on_the_other_side_it_is_the_mirror_image(form):
+    """A touch on the other side of the dome has the mirrored wrench."""
     inward = {"shear": {**OUTWARD["shear"], "by": [-0.0010, 0.0]}}
     one = last([DOME], "shear", steps=(PRESS, OUTWARD), **form)
     other = last([DOME], "shear", (-0.004, 0.0), steps=(PRESS, inward), **form)
