@@ -231,7 +231,7 @@ def _further(done: StoreDiagnosis) -> list[str]:
 
 
 def _is_more_left(done: StoreDiagnosis) -> bool:
-    """Whether the best explanation leaves structure, by the decision or by the locators."""
+    """Return whether the best explanation leaves structure, by the decision or by the locators."""
     left_over = done.shown.left_over
     return done.naming.decision.is_more_left or (left_over is not None and left_over.is_structured)
 

@@ -55,5 +55,5 @@ def notes_of(done: StoreDiagnosis) -> list[str]:
 
 
 def _number(evidence: float) -> str:
-    """Evidence in words, where the effect was refitted."""
+    """Return evidence in words: a number, or that it is too small for a refit."""
     return f"{evidence:.1f}" if math.isfinite(evidence) else "too small for a refit"

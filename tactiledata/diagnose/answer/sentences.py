@@ -76,7 +76,7 @@ def material_is_of(settings: Sequence[EffectSetting]) -> list[str]:
 
 
 def _is_at_bound(number: ProfiledInterval) -> bool:
-    """Whether a number lies at an end of its interval that is a bound of the fit."""
+    """Return whether a number lies at an end of its interval that is a bound of the fit."""
     near = NEAR_BOUND * (number.high - number.low)
     is_low = number.low_is_bound and number.value - number.low <= near
     return is_low or (number.high_is_bound and number.high - number.value <= near)

@@ -88,7 +88,7 @@ def doubts(shown: HeldOutComparison) -> list[str]:
 
 
 def _rises(errors: HeldOutErrors) -> bool:
-    """Whether the force error rises; with few groups, only where its bootstrap interval excludes a fall."""
+    """Return whether the force error rises; with few groups, only where its bootstrap interval excludes a fall."""
     return errors.change > 0 and (errors.groups >= FEW or (errors.has_gap and errors.force.interval[1] < 0))
 
 
