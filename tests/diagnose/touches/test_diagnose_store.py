@@ -71,7 +71,8 @@ def test_a_store_is_diagnosed_from_end_to_end(store, tmp_path, capsys, monkeypat
     assert document["simulated_recordings"] == {"simulated": 10, "real": 0, "not_stated": 0}
     assert document["zeros"] == []
     notes = " ".join(document["notes"])
-    assert "not tried: thickness of the gel: the gel plays this effect at --fidelity finite-strain only" in notes
+    assert "not tried, because the gel plays this effect at --fidelity finite-strain only: " in notes
+    assert "thickness of the gel" in notes
     for scenario in (tmp_path / "first").glob("next/*.yaml"):
         check_document(yaml.safe_load(scenario.read_text()), "scenario", scenario.name)
     code, printed, _ = diagnosed(capsys, monkeypatch, *given, "--out", tmp_path / "second", "--gate", "--json")

@@ -56,7 +56,7 @@ def test_a_cap_falls_as_its_slope_says():
     assert not Cap().downhill((0.003, 0.001)).any()
 
 
-@pytest.mark.parametrize("form", [{}, LAYER], ids=["closed", "layer"])
+@pytest.mark.parametrize("form", [{}, pytest.param(LAYER, marks=pytest.mark.slow)], ids=["closed", "layer"])
 def test_in_the_middle_a_ball_presses_like_a_smaller_one_on_a_flat_gel(form):
     """The force is that of 1 / R' = 1 / R + 1 / R_dome (Hertz), 3 % less than on a flat gel."""
     domed = last([DOME], "press", (0.0, 0.0), **form)
@@ -89,6 +89,7 @@ def test_on_the_other_side_it_is_the_mirror_image(form):
     np.testing.assert_allclose(other[3:], mirrored[3:], rtol=2e-2, atol=1e-4)
 
 
+@pytest.mark.slow
 def test_both_forms_of_contact_lose_as_much_on_the_way_out():
     """Sliding downhill, a ball leaves the gel: pull, force and torque fall alike, within a third."""
     lost = [
