@@ -201,7 +201,7 @@ class Refits:
     def _settled(self, fit: JointFit | None, to_beat: float) -> JointFit | None:
         """Return the fit with the errors of the simulation about itself; ``None`` where there is no balance.
 
-        Of two fits that do not settle the one with the higher cost is kept: doubt is in favour of the plain simulation.
+        Of two fits that do not settle, the one with the higher cost is kept: it gives the effects less evidence.
 
         Parameters
         ----------
