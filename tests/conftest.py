@@ -2,6 +2,8 @@
 
 import gc
 import os
+import sys
+from functools import cache
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -20,7 +22,13 @@ settings.load_profile("house" if os.environ.get("TACTILE_REQUIRE_ALL") else "qui
 
 
 def pytest_collection_finish():
-    """What imports and collection made stays to the end, so the collector need not look at it during the tests."""
+    """What imports and collection made stays to the end, so the collector need not look at it during the tests.
+
+    Typer builds all commands anew in each of some hundred runs of the command line: here it builds them once.
+    """
+    if "typer.main" in sys.modules:
+        building = sys.modules["typer.main"]
+        building.get_command = cache(building.get_command)
     gc.collect()
     gc.freeze()
     gc.set_threshold(*GARBAGE)

@@ -37,6 +37,8 @@ FRAGMENT = re.compile(
     r"|Up to|Not|Also|And|Or|But|Or else|So|Where|When|Until|Told|Asked|Hears)\b"
 )
 """Words with which a fragment begins; a full sentence hardly does."""
+SILENT_TEST = re.compile(r'^ *def (test_\w+)\((?:[^()]|\([^()]*\))*\)(?: -> None)?:\n(?! *r?""")', re.MULTILINE)
+"""A test without a docstring."""
 SOURCES = {
     path.relative_to(ROOT).as_posix(): path for package in PACKAGES for path in sorted((ROOT / package).rglob("*.py"))
 }
@@ -112,6 +114,13 @@ def test_first_lines_are_no_fragments():
             if said and (FRAGMENT.match(said) or len(said.split()) < 3):
                 found.append(f"{name}:{dotted}")
     shrinking("fragments", found)
+
+
+def test_tests_say_what_they_show():
+    """Every test has a docstring; its first line says what the test shows."""
+    text = {path: path.read_text(encoding="utf-8") for path in (ROOT / "tests").rglob("test_*.py")}
+    silent = [f"{path.name}:{name}" for path, source in text.items() for name in SILENT_TEST.findall(source)]
+    assert not silent
 
 
 def test_parameters_are_described():

@@ -29,8 +29,8 @@ class Verdict(StrEnum):
 MEANINGS = {
     Verdict.NOTHING_FOUND: "noise and known errors of the simulation account for all differences",
     Verdict.BELOW_DETECTION: (
-        "a trace looks like a known effect, but it is too small, or rests on too few touches, to be told from an error"
-        " of the simulation"
+        "the differences look like a known effect, but they are too small, or rest on too few touches, to be told from"
+        " an error of the simulation"
     ),
     Verdict.CALIBRATION: "a common offset (zero) or scale is off, and nothing else is found",
     Verdict.STRUCTURED_NOT_NAMED: (

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -87,7 +87,17 @@ class SparshForceFormat(CorpusFormat):
         return [self.make_source(path, batch, [*_image_files(batch)[1], batch / FORCES]) for batch in _batches(path)]
 
     def record(self, source: Source, intake: Intake, mapping: Mapping[str, Any] | None) -> Recording:
-        """A batch: its images in order, forces and other values per image, NaN where none was measured."""
+        """Read a batch: its images in order, with forces and other values of each image, NaN where none was measured.
+
+        Parameters
+        ----------
+        source : Source
+            A folder of one batch, as `sources` found it.
+        intake : Intake
+            Takes the images with their values; it is read afterwards for findings.
+        mapping : dict, optional
+            A mapping document; it may name the sensor and describe it.
+        """
         folder = Path(source.path)
         kind, files = _image_files(folder)
         labels = _labels(folder / FORCES)
@@ -161,9 +171,7 @@ def _open(files: Sequence[Path], expected: int | None, intake: Intake) -> _Image
 def _labels(path: Path) -> Mapping[str, Any]:
     content = load_pickle(path)
     if not isinstance(content, dict) or not isinstance(content.get("trajectories"), dict | list | tuple):
-        raise _misshapen(
-            path, f"a {type(content).__name__} without trajectories", "a dict with in_contact and trajectories"
-        )
+        raise _misshapen(path, f"a {type(content).__name__} without trajectories", "a dict {in_contact, trajectories}")
     return content
 
 
@@ -310,9 +318,7 @@ def _trajectories(
         if following is not None and touch.end_ns > following.start_ns:
             found = f"{touch.name} reaches into {following.name} and is ended where that begins"
             intake.note("trajectory-overlap", "damage", found, trajectory=touch.name)
-            touch = Trajectory(
-                touch.name, touch.start_ns, following.start_ns, touch.sensor, touch.indenter, touch.extra
-            )
+            touch = replace(touch, end_ns=following.start_ns)
         parted.append(touch)
     return parted
 

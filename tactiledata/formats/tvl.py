@@ -78,7 +78,17 @@ ssvtp/{images_tac/image_<n>_tac.jpg, images_rgb/image_<n>_rgb.jpg, text/labels_<
         return [self.make_source(path, part, _files(part)) for part in _parts(path)]
 
     def record(self, source: Source, intake: Intake, mapping: Mapping[str, Any] | None) -> Recording:
-        """A part: its sequences one after another, each pair at one moment."""
+        """Read a part: its sequences one after another, the two images of a pair at one moment.
+
+        Parameters
+        ----------
+        source : Source
+            A folder of the part, as `sources` found it.
+        intake : Intake
+            Takes the images with their published part and caption; it is read afterwards for findings.
+        mapping : dict, optional
+            A mapping document; it may name the sensor and describe it.
+        """
         folder = Path(source.path)
         name = folder.resolve().name if _is_ssvtp(folder) else f"hct-{folder.resolve().name}"
         pairs = _listed(folder, intake)
@@ -299,14 +309,7 @@ def _found(folder: Path, name: str) -> Path:
 
 
 def _push(
-    folder: Path,
-    pair: _Pair,
-    sequence: _Sequence,
-    t_ns: int,
-    sensor: str,
-    touch: str,
-    is_swapped: bool,
-    intake: Intake,
+    folder: Path, pair: _Pair, sequence: _Sequence, t_ns: int, sensor: str, touch: str, is_swapped: bool, intake: Intake
 ) -> None:
     """The touch, then its photograph, at one moment."""
     tactile, vision = (pair.vision, pair.tactile) if is_swapped else (pair.tactile, pair.vision)
@@ -323,13 +326,10 @@ def _push(
         intake.note("image-missing", "damage", f"{tactile or 'a tactile image'} is not there", "digit", touch)
     payload = path.read_bytes if path is not None and is_there else None
     intake.image("digit", payload, t_ns, sensor=sensor, trajectory=touch, name=tactile, values=values)
-    if not vision:
-        return
-    photograph = _found(folder, vision)
-    if photograph.is_file():
-        whose = beside(sensor, "vision")
+    photograph, whose = _found(folder, vision) if vision else None, beside(sensor, "vision")
+    if photograph is not None and photograph.is_file():
         intake.image("vision", photograph.read_bytes, t_ns, sensor=whose, trajectory=touch, name=vision)
-    else:
+    elif vision:
         intake.note("image-missing", "damage", f"{vision} is not there", "vision", touch)
 
 

@@ -94,7 +94,17 @@ dataset/sim/<obj>/<kk>/{tactile_images/*.jpg, gt_heightmaps/*.jpg, gt_contactmas
         return [self.make_source(path, run.resolve().parent, _files(run.resolve()), run) for run in _runs(path)]
 
     def record(self, source: Source, intake: Intake, mapping: Mapping[str, Any] | None) -> Recording:
-        """One trajectory: images, poses as signals, NaN where a pose was lost."""
+        """Read one trajectory: its images, and its poses as signals, NaN where a pose was lost.
+
+        Parameters
+        ----------
+        source : Source
+            The corpus's folder, and in it the folder of the trajectory, as `sources` found them.
+        intake : Intake
+            Takes the images with their values; it is read afterwards for findings.
+        mapping : dict, optional
+            A mapping document; it may name the sensor and describe it.
+        """
         folder = Path(source.path) / source.part
         thing = folder.parent.name
         is_simulated = _is_simulated(folder)

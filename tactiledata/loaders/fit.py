@@ -24,7 +24,22 @@ if TYPE_CHECKING:
 
 
 def require_references(store: Store, index: FrameIndex, streams: Iterable[Stream]) -> None:
-    """Refuse a dataset that asks for pictures without contact of sensors that have none."""
+    """Refuse a dataset that asks for pictures without contact of sensors that have none.
+
+    Parameters
+    ----------
+    store : Store
+        Where the pictures are.
+    index : FrameIndex
+        Frames of the dataset, with their sensors.
+    streams : iterable of Stream
+        Streams of the dataset; nothing is refused where no background is among them.
+
+    Raises
+    ------
+    StoreError
+        Sensors without such a picture; the message names them.
+    """
     if not any(stream.kind == "background" for stream in streams):
         return
     lacking = sorted(set(index.sensor_names) - set(store.manifest["references"]))
@@ -39,7 +54,22 @@ def require_references(store: Store, index: FrameIndex, streams: Iterable[Stream
 
 
 def require_one_size(store: Store, index: FrameIndex, camera: str | None) -> None:
-    """Refuse a dataset whose pictures of one camera have several sizes and cannot be stacked."""
+    """Refuse a dataset whose pictures of one camera have several sizes and cannot be stacked.
+
+    Parameters
+    ----------
+    store : Store
+        Where the frames are.
+    index : FrameIndex
+        Frames of the dataset.
+    camera : str, optional
+        Camera whose pictures are asked for; ``None`` where no pictures are.
+
+    Raises
+    ------
+    UsageError
+        Several sizes; the message counts them and names the first frame of the rarest.
+    """
     if camera is None:
         return
     frames = store.frames(["height", "width"]).take(index.rows)

@@ -86,7 +86,17 @@ class FrameIndex:
 
 
 def build_index(store: Store, selection: Selection, unit: Unit) -> FrameIndex:
-    """The index of selected frames: an item for each frame, or for each trajectory."""
+    """Return the index of selected frames: an item for each frame, or for each trajectory.
+
+    Parameters
+    ----------
+    store : Store
+        Where the frames are.
+    selection : Selection
+        The frames of the dataset.
+    unit : "frame" or "trajectory"
+        What an item is; frames outside any trajectory are in no item of trajectories.
+    """
     frames = store.frames(["trajectory", "sensor", "t_ns"]).take(selection.rows)
     trajectories = store.trajectories(["uid", "indenter", "signal_rows"])
     trajectory = frames["trajectory"].to_numpy()

@@ -59,7 +59,20 @@ class Gaps:
 def treat_missing(
     store: Store, index: FrameIndex, streams: tuple[Stream, ...], report: LoadReport, missing: Missing
 ) -> tuple[FrameIndex, LoadReport]:
-    """What a dataset holds once values that were not recorded are warned of, kept, or left out with their items.
+    """Return what a dataset holds once missing values are warned of, kept, or left out with their items.
+
+    Parameters
+    ----------
+    store : Store
+        Where the values are.
+    index : FrameIndex
+        Items of the dataset.
+    streams : tuple of Stream
+        Streams of the dataset.
+    report : LoadReport
+        What the dataset holds so far.
+    missing : "warn", "keep" or "drop"
+        What to do with items that lack values.
 
     Raises
     ------
@@ -102,9 +115,18 @@ def _dropped(
 def find_gaps(
     store: Store, index: FrameIndex, streams: tuple[Stream, ...]
 ) -> tuple[dict[str, Gaps], dict[str, NDArray[np.bool_]]]:
-    """Gaps by stream, for the streams that have any, and by the same names which items (n_items,) lack values.
+    """Return the gaps of each stream that has any, and which items (n_items,) lack values of it.
 
     A stream whose values are finite all over the store is not read.
+
+    Parameters
+    ----------
+    store : Store
+        Where the values are.
+    index : FrameIndex
+        Items of the dataset.
+    streams : tuple of Stream
+        Streams of the dataset; pictures are passed over.
     """
     gaps: dict[str, Gaps] = {}
     lacking: dict[str, NDArray[np.bool_]] = {}

@@ -84,9 +84,21 @@ class Normaliser:
 
 
 def measure(chunks: Iterable[NDArray[Any]], columns: tuple[str, ...], units: tuple[str, ...]) -> Normaliser:
-    """Mean and spread of rows that come in chunks, each (n, k); rows that are not finite are left out and counted.
+    """Return mean and spread of rows that come in chunks; rows that are not finite are left out and counted.
 
     Chunk moments are merged as in Chan, Golub and LeVeque (1979), so that millions of rows lose no digits.
+
+    Parameters
+    ----------
+    chunks : iterable of (n, k)
+        Rows of k numbers.
+    columns, units : tuple of k str
+        Names and units of the numbers.
+
+    Raises
+    ------
+    UsageError
+        No row is finite.
 
     Examples
     --------
@@ -208,7 +220,17 @@ class Cache:
 
 
 def normalisers(store: Store, split: Split, streams: Sequence[Stream]) -> tuple[dict[str, Normaliser], tuple[str, ...]]:
-    """Normalisers of streams, from the cache or computed and kept; and notes: rows left out, not kept and why."""
+    """Return normalisers by stream, from the cache or computed and kept, and notes: rows left out, not kept and why.
+
+    Parameters
+    ----------
+    store : Store
+        Where the values are; its folder of splits holds the cache.
+    split : Split
+        A split of the store.
+    streams : sequence of Stream
+        Streams that are to be normalised.
+    """
     cache = Cache(store, split)
     kept = cache.read()
     keys = {stream.name: f"{stream.kind}:{stream.name}{_state(store, stream)}" for stream in streams}
@@ -233,10 +255,24 @@ def _state(store: Store, stream: Stream) -> str:
 
 
 def measure_stream(store: Store, split: Split, stream: Stream) -> Normaliser:
-    """Mean and spread of one stream over the train part of a split.
+    """Return mean and spread of one stream over the train part of a split.
 
     Values and pictures are those of the frames in train; a signal at its native rate is taken over the whole of the
     trajectories in train, free air included; backgrounds are those of the sensors in train, one each.
+
+    Parameters
+    ----------
+    store : Store
+        Where the values are.
+    split : Split
+        A split of the store.
+    stream : Stream
+        The stream.
+
+    Raises
+    ------
+    UsageError
+        The stream has no finite value in train.
     """
     rows = frame_rows(store, split, "train")
     if stream.kind == "image":

@@ -187,7 +187,19 @@ class TactileArrays:
     def batches(
         self, batch_size: int, *, seed: int = 0, shuffle: bool = True, drop_last: bool = False
     ) -> Iterator[Item | list[Item]]:
-        """One epoch in batches: stacked frames, or lists of trajectories."""
+        """Return one epoch in batches: stacked frames, or lists of trajectories.
+
+        Parameters
+        ----------
+        batch_size : int
+            Items of a batch.
+        seed : int
+            Seed of the order.
+        shuffle : bool
+            Whether items come in an order of chance; otherwise in that of the store.
+        drop_last : bool
+            Whether a last batch with fewer items is left out.
+        """
         order = Order(len(self), seed=seed, shuffle=shuffle, batch_size=batch_size, drop_last=drop_last)
         read = self.batch if self.unit == "frame" else self.items
         return (read(numbers) for numbers in order)

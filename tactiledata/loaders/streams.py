@@ -65,7 +65,17 @@ class Stream:
 
 
 def values_at_frames(store: Store, stream: Stream, rows: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Values (n, k) at rows of frames; NaN where none was recorded. Streams of numbers with a row a frame only."""
+    """Return values (n, k) of a stream of numbers with a row a frame; NaN where none was recorded.
+
+    Parameters
+    ----------
+    store : Store
+        The store that holds them.
+    stream : Stream
+        Wrenches of a mesh, values of frames, or a signal aligned to frames.
+    rows : (n,) int64
+        Rows of frames.
+    """
     if stream.kind == "mesh_wrench":
         return store.mesh(stream.mesh).wrench(rows)
     if stream.kind == "frame_value":
@@ -74,13 +84,32 @@ def values_at_frames(store: Store, stream: Stream, rows: NDArray[np.int64]) -> N
 
 
 def nodes_at_frames(store: Store, stream: Stream, rows: NDArray[np.int64]) -> NDArray[Any]:
-    """What a mesh's nodes do at rows of frames: displacements (n, k, 3), m, or whether they are pressed (n, m)."""
+    """Return what a mesh's nodes do in frames: displacements (n, k, 3), m, or whether they are pressed (n, m).
+
+    Parameters
+    ----------
+    store : Store
+        The store that holds the mesh.
+    stream : Stream
+        Displacements or contact of a mesh.
+    rows : (n,) int64
+        Rows of frames.
+    """
     mesh = store.mesh(stream.mesh)
     return mesh.displacement(rows) if stream.kind == "mesh" else mesh.contact(rows)
 
 
 def find_streams(store: Store, names: Sequence[str] | str, unit: Unit) -> tuple[Stream, ...]:
-    """Streams by name.
+    """Return streams by their names, in the order of the names.
+
+    Parameters
+    ----------
+    store : Store
+        The store that holds them.
+    names : sequence of str, or str
+        Names of signals, values, cameras, meshes or backgrounds.
+    unit : "frame" or "trajectory"
+        What an item of the dataset is; native rates need trajectories.
 
     Raises
     ------

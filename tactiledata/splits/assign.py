@@ -45,7 +45,16 @@ SPLIT_SCHEMA = pa.schema(
 
 
 def draw(uid: str, seed: int, purpose: Literal["part", "hold-out"] = "part") -> float:
-    """A number in [0, 1) that depends on the uid, the seed and the purpose alone.
+    """Return a number in [0, 1) that depends on the uid, the seed and the purpose alone.
+
+    Parameters
+    ----------
+    uid : str
+        Uid of a trajectory, or another name that stays the same.
+    seed : int
+        Seed of the split.
+    purpose : "part" or "hold-out"
+        What is drawn; the two draws of one uid do not depend on each other.
 
     Examples
     --------

@@ -150,7 +150,17 @@ def compress(picture: PictureArray, quality: int) -> PictureArray:
 
 
 def adjusted(picture: NDArray[np.generic], gain: float, offset: float) -> PictureArray:
-    """A picture with another brightness, rounded as software rounds it."""
+    """Return a picture with another brightness, ``gain * picture + offset``, rounded as software rounds it.
+
+    Parameters
+    ----------
+    picture : (rows, columns, 3), grey levels
+        The picture.
+    gain : float
+        Factor on all grey levels.
+    offset : float
+        Added to them afterwards, grey levels.
+    """
     return np.clip(np.rint(picture.astype(np.float32) * gain + offset), 0, 255).astype(np.uint8)
 
 

@@ -61,7 +61,7 @@ def fingerprint(image: NDArray[np.uint8]) -> NDArray[np.float32]:
 
 
 def near_pairs(prints: NDArray[np.float32], part: NDArray[np.int64], radius: float = RADIUS) -> NearPairs:
-    """Pairs of different partitions that are nearer than ``radius``, at most `NEIGHBOURS` for each image.
+    """Return pairs of different partitions that are nearer than ``radius``, at most `NEIGHBOURS` for each image.
 
     Parameters
     ----------
@@ -69,6 +69,8 @@ def near_pairs(prints: NDArray[np.float32], part: NDArray[np.int64], radius: flo
         Fingerprints; rows with NaN are left out.
     part : (n,) int
         Partition of each, -1 for none.
+    radius : float
+        Largest root mean square difference of two fingerprints, whose contrast is 1.
     """
     usable = np.flatnonzero(np.isfinite(prints).all(axis=1) & (part >= 0))
     if len(usable) < 2:

@@ -25,7 +25,19 @@ def partition_codes(partition: NDArray[np.object_]) -> NDArray[np.int64]:
 
 
 def leak(code: str, what: str, cases: Iterable[str], count: int) -> list[Finding]:
-    """A finding of severity "damage" that names the first cases; none where there are none."""
+    """Return a finding of severity "damage" that names the first cases; none where there are none.
+
+    Parameters
+    ----------
+    code : str
+        Code of the finding.
+    what : str
+        The leak in words.
+    cases : iterable of str
+        Each case in words; only the first are asked for.
+    count : int
+        Number of cases.
+    """
     if not count:
         return []
     shown = [case for case, _ in zip(cases, range(SHOWN), strict=False)]
@@ -146,7 +158,17 @@ def parted_frames(frames: pa.Table, taken: NDArray[np.bool_], part: NDArray[np.i
 
 
 def held_out_elsewhere(trajectories: pa.Table, part: NDArray[np.int64], held_out: Held) -> list[Finding]:
-    """Trajectories with a held-out unit in train, val or test; arguments as in `parted_touches`."""
+    """Return findings on trajectories with a held-out unit in train, val or test.
+
+    Parameters
+    ----------
+    trajectories : pa.Table
+        ``TRAJECTORY_SCHEMA``, n rows.
+    part : (n,) int
+        Codes of `partition_codes`.
+    held_out : dict, unit kind -> names
+        Sensors and indenters that are held out.
+    """
     found: list[Finding] = []
     is_seen = (part >= 0) & (part != PARTITIONS.index("test_unseen"))
     for kind in UNIT_KINDS:
@@ -164,7 +186,7 @@ def held_out_elsewhere(trajectories: pa.Table, part: NDArray[np.int64], held_out
 def unlike_drawn(
     trajectories: pa.Table, table: pa.Table, partition: NDArray[np.object_], options: SplitOptions, held_out: Held
 ) -> list[Finding]:
-    """Trajectories that are not where the split's own options put them: the table was changed after it was made.
+    """Return findings on trajectories that are not where the split's own options put them: the table was changed.
 
     Parameters
     ----------
@@ -174,6 +196,10 @@ def unlike_drawn(
         ``SPLIT_SCHEMA``
     partition : (n,)
         Partition of each trajectory as the table says, ``None`` where it says none.
+    options : SplitOptions
+        Options that the split's document states.
+    held_out : dict, unit kind -> names
+        Sensors and indenters that its document calls held out.
     """
     drawn = assign(trajectories, options, held_out)
     expected = np.asarray(drawn["partition"].to_pylist(), object)

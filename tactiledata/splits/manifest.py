@@ -106,9 +106,27 @@ def split_document(report: SplitReport, table: pa.Table, sha256: str, store: Map
 
 
 def write_split(path: Path, report: SplitReport, table: pa.Table, store: Mapping[str, Any]) -> None:
-    """A split on disk: the table at ``path``, the document beside it, then its name in the store's list of splits.
+    """Write a split: the table at ``path``, the document beside it, then its name in the store's list of splits.
 
     Killed after the table, it reads as torn; killed after the document, it is whole and not in the list.
+
+    Parameters
+    ----------
+    path : Path
+        File of the table, in the store's folder of splits.
+    report : SplitReport
+        What the document holds.
+    table : pa.Table
+        ``SPLIT_SCHEMA``
+    store : dict
+        ``digest``, ``trajectories``, ``frames`` of the store.
+
+    Raises
+    ------
+    UsageError
+        The folder is not writable.
+    StoreError
+        The files cannot be written for another reason, such as a full disk.
     """
     buffer = pa.BufferOutputStream()
     pq.write_table(table, buffer, compression="zstd")
@@ -290,7 +308,17 @@ def frame_rows(store: Store, split: Split, part: str) -> NDArray[np.int64]:
 
 
 def part_rows(frames: pa.Table, belongs: NDArray[np.bool_], force: tuple[float, float] | None) -> NDArray[np.int64]:
-    """Rows (n,) of taken frames whose trajectory belongs; ``belongs`` (n_trajectories,) bool."""
+    """Return the rows of the taken frames whose trajectory belongs to a part, ascending.
+
+    Parameters
+    ----------
+    frames : pa.Table
+        ``FRAME_SCHEMA``
+    belongs : (n_trajectories,) bool
+        Whether a trajectory belongs to the part.
+    force : (float, float), N, optional
+        Lowest and highest contact force of the frames that are taken; ``None`` takes all.
+    """
     taken = taken_frames(frames, force)
     rows = np.flatnonzero(taken)
     return rows[belongs[frames["trajectory"].to_numpy()[rows]]].astype(np.int64)

@@ -54,7 +54,20 @@ class SplitOptions:
         force: Sequence[float] | str | None = (1.0, 13.0),
         seed: int = 0,
     ) -> SplitOptions:
-        """Options that make sense; texts are read as the command line reads them.
+        """Return options that make sense; texts are read as the command line reads them.
+
+        Parameters
+        ----------
+        by : sequence of str, or str
+            "trajectory" and the unit kinds that make strata.
+        hold_out : "auto", "none", dict of unit kind -> names, or str
+            Sensors and indenters that are held out.
+        fractions : sequence of float, or str
+            Shares of train, val and test.
+        force : (float, float), N, or str, optional
+            Lowest and highest contact force of the frames that are taken; ``None`` takes all.
+        seed : int
+            Seed of the draw.
 
         Raises
         ------

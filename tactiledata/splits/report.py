@@ -134,7 +134,21 @@ def notes_on(
     counts: Mapping[str, Count],
     strata: tuple[Stratum, ...],
 ) -> list[str]:
-    """What stands out in a split: empty parts, strata with holes, unnamed units, trajectories in no part."""
+    """Return what stands out in a split: empty parts, strata with holes, unnamed units, trajectories in no part.
+
+    Parameters
+    ----------
+    table : pa.Table
+        ``SPLIT_SCHEMA``
+    options : SplitOptions
+        Options of the split.
+    held_out : dict, unit kind -> names
+        Sensors and indenters that are held out.
+    counts : dict, part -> Count
+        Trajectories and frames of each part.
+    strata : tuple of Stratum
+        Counts of each stratum.
+    """
     wanted = [part for part, share in zip(SHARES, options.fractions, strict=True) if share > 0]
     # which units `auto` holds out goes by the seed, so that counts with another seed can only be told without
     is_free = options.hold_out != "auto" or not held_out

@@ -41,7 +41,22 @@ def contact_force(frames: pa.Table) -> NDArray[np.float32]:
 
 
 def frames_per_trajectory(frames: pa.Table, taken: NDArray[np.bool_], n_trajectories: int) -> NDArray[np.int64]:
-    """Taken frames (n_trajectories,) of each trajectory."""
+    """Return the number of taken frames (n_trajectories,) of each trajectory.
+
+    Parameters
+    ----------
+    frames : pa.Table
+        ``FRAME_SCHEMA``, n rows.
+    taken : (n,) bool
+        Frames that the split takes.
+    n_trajectories : int
+        Trajectories of the store.
+
+    Raises
+    ------
+    StoreError
+        A frame belongs to a trajectory that does not exist.
+    """
     rows = frames["trajectory"].to_numpy()[taken]
     if len(rows) and int(rows.max()) >= n_trajectories:
         raise StoreError(
@@ -53,7 +68,16 @@ def frames_per_trajectory(frames: pa.Table, taken: NDArray[np.bool_], n_trajecto
 
 
 def check_force_filter(frames: pa.Table, taken: NDArray[np.bool_], force: tuple[float, float] | None) -> list[str]:
-    """What the contact filter leaves out, in words.
+    """Return what the contact filter leaves out, in words; refuse a filter that leaves nothing.
+
+    Parameters
+    ----------
+    frames : pa.Table
+        ``FRAME_SCHEMA``, n rows.
+    taken : (n,) bool
+        Frames that the filter takes.
+    force : (float, float), N, optional
+        Lowest and highest contact force; ``None`` where there is no filter.
 
     Raises
     ------

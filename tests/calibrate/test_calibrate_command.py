@@ -67,6 +67,7 @@ def test_the_command_on_a_recorded_world(tiny_store, tmp_path, capsys, monkeypat
     ],
 )
 def test_wrong_options_are_wrong_usage(tiny_store, tmp_path, capsys, monkeypatch, options, words):
+    """An option outside its range exits with 2, says what is allowed and writes no file."""
     monkeypatch.chdir(tmp_path)
     code, _, said = run_command(capsys, monkeypatch, "calibrate", tiny_store, *options)
     assert code == 2

@@ -95,6 +95,7 @@ def test_a_second_calibration_plays_nothing(calibration, measured, monkeypatch):
 
 
 def test_a_broken_file_is_played_again(calibration, measured):
+    """A truncated file of the cache is not read, and the touch is simulated again with the same wrench."""
     touch = measured[0].touches[0].touch
     path = play_path(touch, PAD.digest, "linear", 0.4725, 0.7)
     whole = load_play(path)
@@ -106,6 +107,7 @@ def test_a_broken_file_is_played_again(calibration, measured):
 
 
 def test_what_a_play_depends_on_has_a_place_of_its_own(measured):
+    """Another path, mesh, engine, fidelity, nu, mu or indenter gives a play another file name."""
     touch = measured[0].touches[0]
     paths = {
         play_path(touch.touch, PAD.digest, "linear", 0.47, 0.7),

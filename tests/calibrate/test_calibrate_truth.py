@@ -35,6 +35,7 @@ def test_gent(hardness, kilopascal):
 
 @pytest.mark.parametrize("hardness", [-1.0, 100.0, float("nan")])
 def test_gent_off_the_scale(hardness):
+    """A Shore A hardness below 0, at 100 or not a number is refused."""
     with pytest.raises(UsageError, match="Shore A"):
         youngs_modulus_of_shore_a(hardness)
 
@@ -142,6 +143,7 @@ def test_held_out_trajectories_do_not_touch_the_fit(world):
 
 @pytest.mark.parametrize(("count", "share", "held"), [(25, 0.2, 5), (25, 0.0, 0), (3, 0.9, 1), (2, 0.5, 0)])
 def test_dealing_leaves_two_to_fit(count, share, held):
+    """Every trajectory is fitted or held out, and at least two remain to fit whatever share is held out."""
     fitted, held_out = draw_held_out(count, share, 0)
     assert len(held_out) == held
     assert sorted([*fitted, *held_out]) == list(range(count))
@@ -155,5 +157,6 @@ def test_dealing_leaves_two_to_fit(count, share, held):
     ],
 )  # fmt: skip
 def test_options_that_mean_nothing_are_refused(wrong):
+    """Options of a calibration outside their range are refused."""
     with pytest.raises(UsageError):
         replace(CalibrationOptions(), **wrong)

@@ -106,6 +106,7 @@ def test_a_common_offset_and_a_far_one_are_said(world):
 
 
 def test_reasons_for_leaving_out_are_counted(world):
+    """A reason for leaving trajectories out is reported with their number."""
     _, found = said(world, world.measured())
     findings = remarks(found, WIDE, 4e-5, {"no force: the sensor felt less than 1 N": 3}, True)
     assert any("3 trajectories left out: no force" in finding.message for finding in findings)

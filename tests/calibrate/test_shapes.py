@@ -24,6 +24,7 @@ def series_and_measured(factors, offsets, noise, seed=0):
 
 
 def test_planted_factors_are_found():
+    """Factors and contact offsets that were planted are found within 0.005 and 3 micrometres."""
     factors, offsets = [0.95, 1.0, 1.04], [2e-5, -1e-5, 0, 3e-5, -2e-5, 1e-5]
     series, measured = series_and_measured(factors, offsets, 1e-3)
     found, scales = profile_shapes(measured, series, STARTS, SHAPES, PRIOR, SHARE)
@@ -32,6 +33,7 @@ def test_planted_factors_are_found():
 
 
 def test_it_is_the_least_sum_of_squares():
+    """Factors and offsets are those of a general least-squares solver."""
     series, measured = series_and_measured([0.93, 1.02, 1.0], [4e-5, -3e-5, 0, 1e-5, 0, 2e-5], 1.0)
 
     def residual(unknown):
@@ -44,10 +46,12 @@ def test_it_is_the_least_sum_of_squares():
 
 
 def test_without_error_nothing_is_scaled():
+    """Where the simulation is stated to be exact, all factors are 1 whatever the data say."""
     series, measured = series_and_measured([0.9, 1.0, 1.1], [0.0] * 6, 0.1)
     assert (profile_shapes(measured, series, STARTS, SHAPES, PRIOR, 0.0)[1] == 1.0).all()
 
 
 def test_noise_alone_gives_factors_near_one():
+    """Factors deviate from 1 by less than 0.02 where only noise separates the data from the simulation."""
     series, measured = series_and_measured([1.0, 1.0, 1.0], [0.0] * 6, 1.0)
     assert np.abs(profile_shapes(measured, series, STARTS, SHAPES, PRIOR, SHARE)[1] - 1).max() < 0.02

@@ -50,6 +50,7 @@ def test_they_reach_where_an_error_of_that_size_leads(known):
 
 
 def test_an_exact_simulation_widens_nothing(known, monkeypatch):
+    """An exact simulation leaves the intervals as they are."""
     loss, found, ends = known
     monkeypatch.setitem(numerical.FORCE_ERROR, "finite-strain", 0.0)
     monkeypatch.setitem(numerical.LAW_ERROR, "finite-strain", 0.0)
@@ -57,6 +58,7 @@ def test_an_exact_simulation_widens_nothing(known, monkeypatch):
 
 
 def test_the_norm_loss_has_them_too():
+    """Errors of the simulation widen intervals by the norm loss, too, that of E by their share of force."""
     world = ClosedFormWorld()
     loss = NormLoss(world.response("wide"), world.measured())
     found = search(loss, WIDE, TRUTH)

@@ -9,6 +9,7 @@ pytestmark = pytest.mark.slow
 
 
 def test_it_ends_with_meshes_a_calibration_and_pages(tmp_path, capsys):
+    """The demo of a tiny world ends with meshes, a calibration, an audit without leaks, and two pages."""
     out = tmp_path / "demo"
     code, printed, _ = run_command(capsys, "demo", "--world", "tiny", "--fidelity", "linear", "--out", out, "--json")
     assert code == 0

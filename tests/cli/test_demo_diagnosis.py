@@ -16,6 +16,7 @@ pytestmark = pytest.mark.slow
 
 
 def test_it_names_what_its_world_conceals(tmp_path):
+    """The demo's diagnosis names relaxation, which its world conceals, and then says that this is the truth."""
     scenario = load_scenario(find_scenario("demo"))
     hidden = [type(one).__name__ for one in scenario.hidden]
     assert hidden == ["HiddenSpringpot"]

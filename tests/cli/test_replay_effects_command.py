@@ -71,6 +71,7 @@ GOOD = {"effect": "lag", "values": {"delay": 0.01}}
     ],
 )
 def test_files_that_are_no_effects_of_this_store_are_wrong_usage(store, content, words, capsys):
+    """A file without usable effects exits with 2 and its cause, and attaches no mesh."""
     if content is not None:
         Path("effects.json").write_text(content if isinstance(content, str) else json.dumps(content))
     code, _, err = run_command(capsys, "replay", "--fidelity", "linear", "--effects", "effects.json")

@@ -88,6 +88,7 @@ def test_what_varies_inside_trajectories_is_not_asked():
 
 
 def test_parameters_that_are_not_asked_are_silent():
+    """A parameter that is not to be tested gives no finding."""
     world = planted(0)
     kept = tuple(dataclasses.replace(one, is_tested=False) for one in world.parameters)
     assert found(dataclasses.replace(world, parameters=kept)) == ()
@@ -103,4 +104,5 @@ def test_blocks_are_exchanged_as_one():
 
 
 def test_a_seed_says_the_same():
+    """One seed gives the same findings twice."""
     assert [one.words for one in found(planted(1), 7)] == [one.words for one in found(planted(1), 7)]

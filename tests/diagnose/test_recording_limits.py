@@ -74,6 +74,7 @@ def one_depth(case):
 
 
 def test_whole_recordings_are_left_in_peace(whole):
+    """Recordings in which nothing is left out have no limits."""
     assert limits(whole, START) == []
 
 
@@ -91,11 +92,14 @@ def test_whole_recordings_are_left_in_peace(whole):
     ],
 )
 def test_what_is_left_out_is_named_with_what_to_record(whole, change, words):
+    """What recordings leave out (an indenter, a dwell, free air, slides and others) is named."""
     said = limits(changed(whole, change), START)
     assert any(words in sentence for sentence in said), said
 
 
 def test_one_speed_is_told(whole):
+    """Slides that all have one speed are reported, with that speed."""
+
     def same_speed(case):
         # times follow the way along the gel
         steps = np.maximum(case.touch.lateral_steps / 1e-3, 0.2)

@@ -273,6 +273,7 @@ ODD = {
 
 @pytest.mark.parametrize("what", ODD)
 def test_files_that_would_be_misread_are_refused(what, tmp_path):
+    """A file that would be misread is refused with its cause."""
     spoil, words = ODD[what]
     path = saved(tmp_path, presses())
     path.write_text(spoil(path.read_text()))
@@ -294,6 +295,7 @@ def test_moments_and_decimals_are_numbers(tmp_path):
 
 
 def test_a_column_means_one_thing_and_numbers_are_sane():
+    """A column with two meanings, and a noise correlation that is no usable number, are refused."""
     quantities = {"fz": {"observed": "fz_observed_N", "predicted": "fz_predicted_N"}}
     document = {"format": "tactiledata-columns/1", "group": "trial", "quantities": quantities}
     twice = {"covariates": {"depth": {"column": "fz_observed_N"}}}

@@ -136,6 +136,7 @@ def test_skew_grows_with_the_recording_and_a_jump_stays(touch, play):
 
 
 def test_shear_that_sticks_is_linear_and_a_null_share_changes_no_bit():
+    """Shear that sticks relaxes as linear viscoelasticity does, and a share of 0 changes no bit."""
     rng = np.random.default_rng(3)
     seconds, elastic = np.cumsum(rng.uniform(0.05, 2.0, 30)), np.cumsum(rng.normal(size=(30, 2)), axis=0)
     sticks, far = np.zeros(30, dtype=bool), np.full(30, 1e3)

@@ -30,6 +30,7 @@ def state(touch):
 
 
 def test_what_neither_moves_nor_rubs_asks_nothing_again(state):
+    """Changes of stiffness, force and reading are applied to the first answer of the gel, which is asked once."""
     ones, wrench = np.ones(len(state.touch)), np.ones((len(state.touch), 6))
     plain = state.contact.wrench
     changed = state.stiffened(2.0 * ones).with_elastic(wrench).with_interface(wrench).with_reading(wrench)
@@ -47,6 +48,7 @@ def test_what_neither_moves_nor_rubs_asks_nothing_again(state):
     ids=["deeper", "along", "smoother"],
 )
 def test_what_moves_or_rubs_asks_anew(state, change):
+    """A change of place or friction asks the gel again, and gives bit for bit what a new state gives."""
     before = state.contact.wrench
     after = change(state.with_elastic(np.zeros_like(before)))
     fresh = change(TouchState.start(state.touch, Counted(state.touch)))

@@ -45,6 +45,7 @@ def history(engine):
 
 
 def test_frames_are_named_for_what_became_of_them(history):
+    """Frames in the air are without contact, wrench and displacement, and frames between them are solved."""
     air, solved = FrameStatus.NO_CONTACT, FrameStatus.SOLVED
     assert history.status.tolist() == [air, *[solved] * 5, air]
     assert not history.wrench[[0, -1]].any()
@@ -53,6 +54,7 @@ def test_frames_are_named_for_what_became_of_them(history):
 
 
 def test_force_grows_with_depth_and_pushes_the_indenter_out(history):
+    """The normal force rises with each deeper frame."""
     assert (np.diff(history.wrench[:4, 2]) > 0).all()
 
 
@@ -75,6 +77,7 @@ def test_shear_drags_and_friction_bounds_it(history):
 
 
 def test_forces_are_in_proportion_to_youngs_modulus(engine):
+    """With a Young's modulus four times as large, wrenches are four times as large and displacements the same."""
     path = poses((0, 0, -0.2))
     soft, hard = (pressed(engine, Sphere(4e-3), path, modulus=modulus) for modulus in (0.5e6, 2e6))
     np.testing.assert_allclose(hard.wrench, 4 * soft.wrench, rtol=1e-9, atol=1e-12)
@@ -126,6 +129,7 @@ def test_frames_that_cannot_be_played_say_why(engine, tmp_path, monkeypatch):
 
 
 def test_what_it_cannot_play_is_refused(engine):
+    """An indenter that is not convex, another Poisson's ratio and a mesh of tetrahedra are refused."""
     touches = [GelTouch(indenter, poses((0, 0, -0.2))) for indenter in (Sphere(), Ring())]
     with pytest.raises(UsageError, match="'ring' is not convex"):
         next(engine.play(touches, GelMaterial(1e6, NU, 0.5)))
@@ -138,6 +142,7 @@ def test_what_it_cannot_play_is_refused(engine):
 
 
 def test_engines_by_name():
+    """The names of engines and fidelities give engines, and unknown or contradictory ones are refused."""
     assert mechanics_of("fem", "linear") == "linear"
     assert mechanics_of("mujoco-flex", "finite-strain") == "mujoco-flex"
     assert make_engine(slab(), NU, "mujoco-flex").fidelity == "mujoco-flex"
@@ -151,6 +156,7 @@ def test_engines_by_name():
 
 
 def test_without_mujoco_it_says_so(monkeypatch):
+    """Without MuJoCo the engine names the extra that installs it."""
     monkeypatch.setitem(sys.modules, "mujoco", None)
     with pytest.raises(UsageError, match=r"(?s)not installed.*\.\[sim\]"):
         flex.FlexEngine(slab(), NU)

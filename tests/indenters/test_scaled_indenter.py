@@ -12,6 +12,7 @@ from tactiledata.indenters.scaled import scaled
 
 @pytest.mark.parametrize("name", sorted(INDENTERS))
 def test_distances_and_heights_scale_with_it(name):
+    """Distances and heights of every solid scale with its size, and scaling back gives the first sizes."""
     solid = INDENTERS[name]()
     larger = scaled(solid, 1.1)
     points = np.random.default_rng(1).uniform(-6e-3, 6e-3, (200, 3))
@@ -22,6 +23,7 @@ def test_distances_and_heights_scale_with_it(name):
 
 
 def test_a_mesh_scales_too():
+    """A solid from a mesh file is scaled in all its extents, and its document stays that of the file."""
     solid = MeshIndenter(trimesh.creation.icosphere(radius=4e-3).apply_translation([0, 0, 4e-3]), "ball.stl", "mm")
     larger = scaled(solid, 0.97)
     assert larger.mesh().extents == pytest.approx(0.97 * solid.mesh().extents)
@@ -29,5 +31,6 @@ def test_a_mesh_scales_too():
 
 
 def test_nothing_is_scaled_out_of_what_is_made():
+    """A size outside the range of real indenters is refused."""
     with pytest.raises(UsageError, match="metres"):
         scaled(INDENTERS["sphere"](), 1000.0)

@@ -30,6 +30,7 @@ def test_the_covariance_of_rest_is_found_beside_drift():
 
 
 def test_whitened_noise_is_white():
+    """Noise of a planted covariance has the unit matrix as its covariance once whitened."""
     chance, covariance = planted_covariance(1)
     noise = WrenchNoise(covariance, 1.0, "")
     white = noise.whitened(chance.standard_normal((20_000, 6)) @ np.linalg.cholesky(covariance).T)
@@ -52,6 +53,7 @@ def test_correlated_neighbours_count_for_less(r):
 
 
 def test_too_few_samples_say_nothing():
+    """No noise is estimated from no samples, from constant ones, or from stretches that are too short."""
     assert noise_at_rest([]) is None
     assert noise_at_rest([np.zeros((100, 6))]) is None
     assert noise_at_rest([np.ones((3, 6))] * 100) is None
@@ -68,6 +70,7 @@ def test_a_standing_component_gets_no_infinite_weight():
 
 
 def test_the_specification_has_six_components():
+    """The noise of a data sheet is positive in all six components, and not below the stated noise of force."""
     deviations = specified_noise(ROBOTIQ_FT300S.force).deviations
     assert (deviations > 0).all()
     assert deviations[0] >= ROBOTIQ_FT300S.force.force_noise
@@ -119,6 +122,7 @@ def test_the_profile_is_stationary():
 
 
 def test_offsets_stay_where_they_mean_something():
+    """Offsets stay within their largest value, and are 0 under a prior of width 0."""
     series, starts, _, frames = quadratic_touches(2)
     far = series.at(np.repeat(np.full(len(starts), 5e-3), frames))
     assert np.abs(profile_offsets(far, series, starts)).max() <= FARTHEST
@@ -138,6 +142,7 @@ def test_a_law_error_is_a_power_of_the_force():
 
 
 def test_a_law_error_of_no_forces_is_none():
+    """The error of the force law is 0 where forces are 0."""
     assert (with_law_error(np.zeros((3, 6)), 0.06) == 0).all()
 
 

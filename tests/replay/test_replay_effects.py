@@ -36,6 +36,7 @@ def with_effects(store, *effects, **changes):
 
 
 def test_null_effects_change_not_one_byte(copied, replayed):
+    """A replay with effects of strength 0 writes byte for byte the files of one without effects."""
     replay(copied, options(effects=NULLS))
     assert files(copied) == files(replayed)
     assert options(name=None, effects=NULLS).mesh_name == "low-linear"
@@ -203,6 +204,7 @@ def test_planted_effects_fit_better_with_them(tmp_path):
 
 
 def test_the_page_and_the_arrays_say_it(copied):
+    """The effects of a replay are named on the page and in the attributes of its wrench, and the store is whole."""
     with_effects(copied, ARM)
     store = Store.open(copied)
     assert check(copied) == []

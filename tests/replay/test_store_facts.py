@@ -23,6 +23,7 @@ def recorded(tmp_path_factory):
 
 
 def test_gravity_points_down_whatever_way_the_sensor_hangs(recorded):
+    """Gravity has 9.81 m/s^2 in every frame, and points out of a gel that looks down."""
     _, planned, facts = recorded
     for touch in planned:
         rows = np.arange(*touch.frames)
@@ -33,6 +34,7 @@ def test_gravity_points_down_whatever_way_the_sensor_hangs(recorded):
 
 
 def test_joints_are_those_of_the_arm(recorded):
+    """Frames have six joint angles within one turn."""
     _, planned, facts = recorded
     joints = facts.joints(np.arange(*planned[0].frames))
     assert joints.shape[1] == 6
@@ -40,6 +42,7 @@ def test_joints_are_those_of_the_arm(recorded):
 
 
 def test_time_since_power_on_goes_on_over_touches(recorded):
+    """The time since power-on starts at the stated one and rises from touch to touch of a sensor."""
     _, planned, facts = recorded
     for sensor in {touch.sensor for touch in planned}:
         ours = [touch for touch in planned if touch.sensor == sensor]
@@ -49,6 +52,7 @@ def test_time_since_power_on_goes_on_over_touches(recorded):
 
 
 def test_a_mount_is_a_run_of_one_indenter(recorded):
+    """A mount is named after its indenter, and every run of touches with one indenter is a mount of its own."""
     _, planned, facts = recorded
     mounts = [facts.mount(touch) for touch in planned]
     runs = 1 + sum((a.sensor, a.indenter) != (b.sensor, b.indenter) for a, b in pairwise(planned))
@@ -57,6 +61,7 @@ def test_a_mount_is_a_run_of_one_indenter(recorded):
 
 
 def test_history_counts_what_came_before_at_the_spot(recorded):
+    """Earlier depth and earlier contacts at a spot are those of a count over all touches before."""
     store, planned, facts = recorded
     ours = [touch for touch in planned if touch.sensor == planned[0].sensor]
     tips = []
@@ -76,6 +81,7 @@ def test_history_counts_what_came_before_at_the_spot(recorded):
 
 
 def test_a_store_that_does_not_say_it_is_not_asked(tmp_path):
+    """A store without a stream of joints has no joint angles."""
     path = recorded_store(tmp_path, streams={"joints": 0, "tcp": 125, "wrench": 100, "arm_wrench": 0})
     store = Store.open(path)
     opened = OpenedStore.planned(store, CalibrationOptions().pads)

@@ -50,6 +50,7 @@ def test_what_the_tool_feels_is_some_share_of_a_stop_from_its_speed(recorded):
 
 
 def test_the_sensor_is_where_the_log_says(recorded):
+    """The pose of the force sensor in the gel's frame is that of the log, in every frame."""
     _, planned, motion = recorded
     robot = Robot()
     wanted = (robot.tcp_from_gel.inverse() @ robot.tcp_from_ft).matrix

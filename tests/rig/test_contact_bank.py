@@ -71,6 +71,7 @@ def off(found, expected):
 
 @pytest.mark.parametrize("deeper", [4.5e-5, -1.3e-4])
 def test_an_offset_between_the_solutions_is_as_solved(bank, deeper):
+    """Between the solved offsets, the bank's force is that of the solver within 0.5 %, its torque within 1 %."""
     setup = setup_of((0.0, 0.0, deeper), youngs_modulus=0.7e6)
     force, torque = off(bank.contact(GEL, setup).wrench, solved(setup))
     assert force < 0.005
@@ -86,6 +87,7 @@ def test_a_contact_beside_is_the_same_one_moved(bank):
 
 
 def test_another_thickness_and_radius_are_nearly_as_solved(bank):
+    """With another thickness or radius, the bank's force is that of the solver within 1 %."""
     for setup in (setup_of(thickness=0.95 * GEL.thickness), setup_of(radius=0.98 * INDENTERS["ball"].sizes["radius"])):
         force, _ = off(bank.contact(GEL, setup).wrench, solved(setup))
         assert force < 0.01
@@ -115,6 +117,7 @@ def test_what_yields_next_to_nothing_along_the_gel_slides_as_before(bank):
 
 
 def test_what_was_solved_is_read_again_and_nothing_else_is(bank, monkeypatch):
+    """Kept solutions are read without the solver, which another friction needs; a banked contact has no picture."""
     setup = setup_of((0.0, 0.0, 4.5e-5))
     first = bank.contact(GEL, setup).wrench
     monkeypatch.setattr(contact_bank, "touch_layer", None)
@@ -128,6 +131,7 @@ def test_what_was_solved_is_read_again_and_nothing_else_is(bank, monkeypatch):
 
 
 def test_what_lies_beyond_is_refused(bank):
+    """An offset or a thickness outside the solved ones is refused."""
     with pytest.raises(UsageError, match="an offset of 300"):
         bank.contact(GEL, setup_of((0.0, 0.0, 3e-4)))
     with pytest.raises(UsageError, match=r"a thickness of 0\.5"):

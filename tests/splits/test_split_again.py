@@ -52,6 +52,7 @@ def test_the_command_that_is_named_brings_it_up_to_date(tmp_path, options):
 
 
 def test_other_options_are_refused_with_those_that_were_meant(tmp_path):
+    """A split with other options is refused, and the message holds the options of the split that exists."""
     store = MemoryStore(tmp_path, trajectories(many(50)))
     make_split(store, seed=7)
     with pytest.raises(UsageError) as refused:

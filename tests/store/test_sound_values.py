@@ -26,6 +26,7 @@ def chunk_of(store, array):
 
 
 def test_a_whole_store_is_sound(tiny_store):
+    """A store as it was written has sound values in all of its signals."""
     store = Store.open(tiny_store)
     need_sound_values(store, store.signal_names)
 

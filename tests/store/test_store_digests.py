@@ -24,8 +24,8 @@ from tactiledata.store.read.reader import Store
 from tactiledata.store.write import commit as committing
 from tactiledata.store.write.commit import commit, create, recover
 
-FLIPS = 200
-"""Bits turned in each document."""
+FLIPS = 200 if os.environ.get("TACTILE_REQUIRE_ALL") else 67
+"""Bits turned in each document: of these, too, `make quick` tries a third."""
 DOCUMENTS = (
     "manifest.json",
     "sensors.json",
@@ -67,7 +67,7 @@ def documents_said(folder: Path) -> set[str]:
 
 @pytest.mark.parametrize("document", DOCUMENTS)
 def test_every_bit_counts(folder: Path, document: str) -> None:
-    """Each of 200 bits drawn from a document that flips is reported by the checks of documents."""
+    """Each of 200 bits (67 in `make quick`) drawn from a document that flips is reported by its checks."""
     place = folder / document
     whole = place.read_bytes()
     assert documents_said(folder) == set()

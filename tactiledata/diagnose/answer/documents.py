@@ -34,7 +34,10 @@ FORMAT = "tactiledata-diagnosis/1"
 
 
 def table_document(table: Table, explanation: Explanation, digest: str, seed: int) -> dict[str, Any]:
-    """Return the diagnosis of a table as a document; the same table and seed give the same document.
+    """Return the diagnosis of a table as `diagnosis.json`, checked against its schema.
+
+    It holds the verdict and its sentences, what each locator found before and after the formula, the formula with its
+    errors on unseen groups, and where all of this comes from. The same table and seed give the same document.
 
     Parameters
     ----------
@@ -228,7 +231,7 @@ def _further(done: StoreDiagnosis) -> list[str]:
 
 
 def _is_more_left(done: StoreDiagnosis) -> bool:
-    """Whether the best explanation leaves structure, by the decision or by the locators."""
+    """Return whether the best explanation leaves structure, by the decision or by the locators."""
     left_over = done.shown.left_over
     return done.naming.decision.is_more_left or (left_over is not None and left_over.is_structured)
 

@@ -26,7 +26,7 @@ TERMS: Terms = (
     ),
     (
         r"\b[Bb]lack box\b",
-        "A black box predicts without physics. It shows how much of the error any model could take away.",
+        "A black box predicts without physics. It shows how much of the error any model could remove.",
     ),
 )
 """Pattern of each term that pages of stores and tables share, and its explanation."""

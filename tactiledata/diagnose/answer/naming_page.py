@@ -242,9 +242,9 @@ def _seen_at_all(naming: NamingResult) -> list[Section]:
         if most[known.effects[place]] == place
     ]
     text = (
-        "Each row is the number of an effect that these recordings show best. Hidden is the share of its change that "
-        "E, nu, mu, offsets and errors of the simulation can imitate. Reach is the ratio of signal to noise of the "
-        "rest, at the end of the plausible range. Needed is the reach from which the effect can be claimed."
+        "Each row is the number of an effect that these recordings show best. Concealed is the share of its change "
+        "that E, nu, mu, offsets and errors of the simulation can imitate. Reach is the ratio of signal to noise of "
+        "the rest, at the end of the plausible range. Needed is the reach from which the effect can be claimed."
     )
     sentences = [("info", text)]
     if known.undetectable:
@@ -254,14 +254,14 @@ def _seen_at_all(naming: NamingResult) -> list[Section]:
         names = ", ".join(title_of([name]) for name in naming.not_tried)
         sentences.append(("", f"Not tried, as the recordings do not state what these effects depend on: {names}."))
     sections = [
-        Section("What could be seen at all", sentences, ("effect", "number", "hidden", "reach", "needed"), rows)
+        Section("What could be seen at all", sentences, ("effect", "number", "concealed", "reach", "needed"), rows)
     ]
     # pairs that these trajectories cannot tell apart
     alike = [(title_of([first]), title_of([second]), rounded(size)) for first, second, size in known.look_alikes()]
     if alike:
         text = (
-            "Beyond what is hidden, the two effects of a row change the wrench almost alike (cosine of at least 0.95): "
-            "these trajectories cannot tell them apart."
+            "Beyond what is concealed, the two effects of a row change the wrench almost alike (cosine of at least"
+            " 0.95): these trajectories cannot tell them apart."
         )
         sections.append(Section("Look-alikes", [("info", text)], ("effect", "effect", "cosine"), alike))
     return sections

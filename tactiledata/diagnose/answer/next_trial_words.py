@@ -51,7 +51,7 @@ def next_trial_sentences(proposals: Sequence[Proposal], is_more_left: bool = Fal
             hopeless.append(_hopeless(best.separations[place], best.trial.title))
     sentences = [f"{title}: {'; '.join(parts)}." for title, parts in by_trial.items()] + hopeless
     if not sentences and is_more_left:
-        return ["The recordings separate the explanations that were tried; what is left is none of them."]
+        return ["The recordings separate the explanations that were tried, and none of these explains what is left."]
     if not sentences:
         return ["The recordings separate the explanations that are left; no further trial is needed for that."]
     if proposals[0].bench.base is closed_form:
@@ -122,14 +122,14 @@ def _apart(pair: Separation) -> str:
         )
     return (
         f"{_title(pair.first)} and {_title(pair.second)} then differ by {size} standard deviations (so far"
-        f" {rounded(pair.before)}); the chance to take one for the other falls from {_chance(pair.error_before)} to"
-        f" {_chance(pair.error_after)}"
+        f" {rounded(pair.before)}); the probability of taking one for the other falls from"
+        f" {_chance(pair.error_before)} to {_chance(pair.error_after)}"
     )
 
 
 def _hopeless(pair: Separation, title: str) -> str:
     """Return that no trial separates two explanations, with the best trial."""
-    stays = f"at best ({title}) the chance of a wrong answer is {_chance(pair.error_after)}"
+    stays = f"at best ({title}) the probability of a wrong answer is {_chance(pair.error_after)}"
     if pair.second == NOTHING:
         return f"None of the trials would show {_title(pair.first)}: {stays}."
     return f"None of the trials tells {_title(pair.first)} from {_title(pair.second)}: {stays}."

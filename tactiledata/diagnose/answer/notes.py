@@ -35,11 +35,11 @@ def notes_of(done: StoreDiagnosis) -> list[str]:
             f"{frames.estimated} frames could not be solved at some parameters of the gel and are interpolated there"
         )
     # effects that were looked at closely
-    for one in done.full_plays:
+    for closer in done.full_plays:
         notes.append(
-            f"{EFFECTS[one.effect]().title} was first estimated and then played in full: the estimate was off by"
-            f" {percent(one.error)} of what the effect changes; the evidence was {_number(one.estimated_evidence)} and"
-            f" is {_number(one.evidence)}"
+            f"{EFFECTS[closer.effect]().title} was first estimated and then played in full: the estimate was off by"
+            f" {percent(closer.error)} of what the effect changes; the evidence was"
+            f" {_number(closer.estimated_evidence)} and is {_number(closer.evidence)}"
         )
     # effects that were not tried, by reason
     by_reason: dict[str, list[str]] = {}
@@ -51,9 +51,9 @@ def notes_of(done: StoreDiagnosis) -> list[str]:
     for name in done.naming.not_tried:
         needed = " and ".join(_NEEDS.get(need, need) for need in EFFECTS[name].needs)
         by_reason.setdefault(f"the recordings do not state {needed}", []).append(EFFECTS[name]().title)
-    return notes + [f"not tried: {', '.join(names)}: {reason}" for reason, names in by_reason.items()]
+    return notes + [f"not tried, because {reason}: {', '.join(names)}" for reason, names in by_reason.items()]
 
 
 def _number(evidence: float) -> str:
-    """Evidence in words, where the effect was refitted."""
+    """Return evidence in words: a number, or that it is too small for a refit."""
     return f"{evidence:.1f}" if math.isfinite(evidence) else "too small for a refit"

@@ -1,4 +1,4 @@
-"""What a simulation lacks, in sentences: the effect, what cannot be told from it, and its numbers."""
+"""Sentences on what a simulation lacks: the effect, what these data cannot tell from it, and its numbers."""
 
 from __future__ import annotations
 
@@ -40,8 +40,8 @@ def effect_numbers(intervals: Sequence[ProfiledInterval]) -> list[str]:
         for number in shown
     ]
     left = len(fitted) - len(shown)
-    others = f"; the other {left} numbers may be 0." if left else "."
-    return [f"{joined_names(numbers)}, as fitted, with 95 % intervals{others}"] if numbers else []
+    others = f" The other {left} numbers may be 0." if left else ""
+    return [f"Fitted values, with 95 % intervals, are {joined_names(numbers)}.{others}"] if numbers else []
 
 
 def material_moved(before: Sequence[ProfiledInterval], after: Sequence[ProfiledInterval]) -> list[str]:
@@ -76,7 +76,7 @@ def material_is_of(settings: Sequence[EffectSetting]) -> list[str]:
 
 
 def _is_at_bound(number: ProfiledInterval) -> bool:
-    """Whether a number lies at an end of its interval that is a bound of the fit."""
+    """Return whether a number lies at an end of its interval that is a bound of the fit."""
     near = NEAR_BOUND * (number.high - number.low)
     is_low = number.low_is_bound and number.value - number.low <= near
     return is_low or (number.high_is_bound and number.high - number.value <= near)
@@ -138,7 +138,7 @@ class Answer:
         """Sentences on what is missing, what these data cannot tell from it, and what they cannot show at all."""
         decision = self.naming.decision
         best = decision.best
-        # a claim, with its rivals and its limits
+        # a claim, the effects that these data cannot tell from it, and what it leaves
         if best is not None and self.names:
             sentences = [_claim(best, self._probability_of(best)), *(_tie(tie) for tie in decision.ties)]
             if decision.is_more_left:
@@ -149,8 +149,8 @@ class Answer:
             sentences = ["Not explained: the residual has structure, and no effect of the catalogue explains it."]
         elif self.verdict is Verdict.BELOW_DETECTION and best is not None:
             sentences = [
-                f"Below detection: a trace looks like {_titles(best.names)}, but it is too small, or rests on too few"
-                " touches, to be told from an error of the simulation.",
+                f"Below detection: the differences look like {_titles(best.names)}, but they are too small, or rest on"
+                " too few touches, to be told from an error of the simulation.",
                 *(_tie(tie) for tie in decision.ties),
             ]
         else:
@@ -275,7 +275,8 @@ def _alarms(best: ScoredCandidate) -> list[str]:
     """Return a warning where numbers of the best candidate end at a bound of the fit."""
     if not best.at_bounds:
         return []
-    return [f"At the end of the range that was tried: {joined_names(best.at_bounds)}. More may be missing."]
+    verb = "stands" if len(best.at_bounds) == 1 else "stand"
+    return [f"{joined_names(best.at_bounds)} {verb} at an end of the range that was tried: more may be missing."]
 
 
 def _of_the_known(best: ScoredCandidate, naming: NamingResult) -> str:

@@ -1,4 +1,4 @@
-"""How much better the simulation is on held-out data, in sentences, tables and pictures."""
+"""Sentences, tables and pictures on how much better the simulation is on held-out data."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def doubts(shown: HeldOutComparison) -> list[str]:
 
 
 def _rises(errors: HeldOutErrors) -> bool:
-    """Whether the force error rises; with few groups, only where its bootstrap interval excludes a fall."""
+    """Return whether the force error rises; with few groups, only where its bootstrap interval excludes a fall."""
     return errors.change > 0 and (errors.groups >= FEW or (errors.has_gap and errors.force.interval[1] < 0))
 
 
@@ -130,8 +130,8 @@ def _left_over(shown: HeldOutComparison) -> str:
     """Return whether locators still find structure with the effect, and the plainest finding."""
     assert shown.left_over is not None
     if not shown.left_over.is_structured:
-        return "With the effect no locator finds structure any more."
-    return f"With the effect structure is left. {shown.left_over.sentences()[0]}"
+        return "With the effect, no locator finds structure any more."
+    return f"With the effect, structure is left. {shown.left_over.sentences()[0]}"
 
 
 def _ceiling(shown: HeldOutComparison) -> str:

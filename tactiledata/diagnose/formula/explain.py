@@ -175,7 +175,7 @@ def explain(
             held = held_out(residuals, find_candidates(residuals, scales, time, carried), options.seed)
             floor = 1.0 if options.noise is not None else scatter(held.after, residuals.starts)
             if not np.isfinite(floor):
-                floor, floor_is = 0.0, "zero, as groups of one or two rows tell no noise"
+                floor, floor_is = 0.0, "zero, as groups of one or two rows do not show the noise"
             gap = gap_closed(held.squares_before, held.squares_after, held.counts, floor, options.seed)
     # a black box shows how much could be explained at all
     begin(3)

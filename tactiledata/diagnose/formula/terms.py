@@ -262,7 +262,7 @@ def _with_units(residuals: Residuals) -> list[tuple[str, Array, Unit]]:
 
 
 def _varies_inside(residuals: Residuals, values: Array) -> bool:
-    """Whether values (n,) vary inside more than half of the trajectories."""
+    """Return whether values (n,) vary inside more than half of the trajectories."""
     spread = np.maximum.reduceat(values, residuals.starts) - np.minimum.reduceat(values, residuals.starts)
     return bool((spread > 0).mean() > 0.5)
 
@@ -274,6 +274,6 @@ def _seconds(time: Covariate) -> Array:
 
 
 def _is_same(values: Array, other: Array) -> bool:
-    """Whether two atoms differ only by a factor: their absolute cosine exceeds 0.9999."""
+    """Return whether two atoms differ only by a factor: their absolute cosine exceeds 0.9999."""
     size = float(np.linalg.norm(values)) * float(np.linalg.norm(other))
     return bool(abs(float(values @ other)) > 0.9999 * size)

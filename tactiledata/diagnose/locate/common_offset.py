@@ -38,7 +38,7 @@ class Offset:
 
 
 def offsets(residuals: Residuals, seed: int = 0, draws: int = DRAWS) -> tuple[Offset, ...]:
-    """The shift of every shared parameter, the most certain first; after a converged calibration none is certain.
+    """Return the shift of every shared parameter, the most certain first; none is certain after a calibration.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def offsets(residuals: Residuals, seed: int = 0, draws: int = DRAWS) -> tuple[Of
 
 
 def _alone(residuals: Residuals, place: int) -> Contributions:
-    """Score of one parameter, by its index, orthogonal to all other parameters."""
+    """Return the score of one parameter, by its index, orthogonal to all other parameters."""
     kept = [number for number in range(len(residuals.parameters)) if number != place]
     others = replace(
         residuals,
@@ -82,7 +82,7 @@ def _alone(residuals: Residuals, place: int) -> Contributions:
 
 
 def _find(given: LocatorInput) -> tuple[Offset, ...] | None:
-    """The offsets of all shared parameters; ``None`` where they were fitted, or where there are none."""
+    """Return the offsets of all shared parameters; ``None`` where they were fitted, or where there are none."""
     return (None if given.is_fitted else offsets(given.residuals, given.seed + 1, given.draws)) or None
 
 

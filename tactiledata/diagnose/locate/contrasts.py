@@ -133,7 +133,7 @@ class Sizes:
 def contrasts(
     projection: ProjectedResiduals, errors: Mapping[str, float], inflation: float = 1.0
 ) -> tuple[Contrast, ...]:
-    """The strongest contrast, then those that are certain with all stronger ones fitted; at most three.
+    """Return the strongest contrast, then those that are certain with all stronger ones fitted; at most three.
 
     Parameters
     ----------
@@ -172,7 +172,7 @@ def contrasts(
 def sizes_of(
     projection: ProjectedResiduals, instruments: Instruments, tested: Mapping[str, float], inflation: float = 1.0
 ) -> Iterator[Sizes]:
-    """Sizes of all contrasts of the tested components and parameters, with their variance by noise alone.
+    """Return sizes of all contrasts of the tested components and parameters, with their variance by noise alone.
 
     Parameters
     ----------
@@ -195,7 +195,7 @@ def sizes_of(
 
 
 def instruments_of(residuals: Residuals) -> Instruments:
-    """All instruments: contact, the slope over each covariate, each level of a label, three shapes after each event."""
+    """Return all instruments: contact, slopes over covariates, levels of labels, three shapes after each event."""
     touches = in_contact(residuals).astype(float)
     columns, names, places = [touches[:, None]], [IN_CONTACT], [IN_CONTACT]
     for name, covariate in residuals.covariates.items():
@@ -216,7 +216,7 @@ def instruments_of(residuals: Residuals) -> Instruments:
 
 
 def _directions(residuals: Residuals) -> Iterator[tuple[str, Array]]:
-    """Names and directions (n, k) of components, ways and tested parameters, in the unit of a contrast's size."""
+    """Return names and directions (n, k) of components, ways and tested parameters, in the unit of a contrast."""
     yield from directions_of(residuals)
     for place, parameter in enumerate(residuals.parameters):
         if parameter.is_tested:
@@ -231,7 +231,7 @@ def _strongest(
     inflation: float,
     alike: Mapping[str, tuple[str, ...]],
 ) -> tuple[Contrast, Array] | None:
-    """The contrast with the largest standard normal value and its field (n, k); ``None`` where none is testable.
+    """Return the contrast with the largest standard normal value and its field (n, k); ``None`` where none is testable.
 
     Parameters
     ----------
@@ -280,7 +280,7 @@ def _strongest(
 
 
 def _alternatives(instruments: Instruments, sizes: Sizes, values: Array, known: set[str]) -> tuple[str, ...]:
-    """Names of instruments, beside the known ones, that fit the same direction nearly as well, the best first."""
+    """Return names of instruments that fit the direction nearly as well as the known ones, the best first."""
     order = np.argsort(-values)
     close = order[values[order] ** 2 >= values.max() ** 2 - MOST_DEFICIT]
     names = dict.fromkeys(instruments.names[int(place)] for place in sizes.places[close])
@@ -288,7 +288,7 @@ def _alternatives(instruments: Instruments, sizes: Sizes, values: Array, known: 
 
 
 def _shares(projection: ProjectedResiduals, field: Array) -> dict[str, float]:
-    """Share of the energy of a field (n, k) in each component, after all parameters are refitted."""
+    """Return the share of the energy of a field (n, k) in each component, after all parameters are refitted."""
     left = projection.orthogonal(field[:, :, None])
     energy = np.maximum((left * projection.weigh(left)).sum(axis=(0, 2)), 0.0)
     return {
@@ -298,7 +298,7 @@ def _shares(projection: ProjectedResiduals, field: Array) -> dict[str, float]:
 
 
 def _clause(residuals: Residuals, what: str, size: float, half_width: float) -> str:
-    """A clause on the size of a contrast: a departure of a component, or a change of a parameter."""
+    """Return a clause on the size of a contrast: a departure of a component, or a change of a parameter."""
     parameters = {parameter.name: parameter for parameter in residuals.parameters}
     if what not in parameters:
         return departs(what, size, half_width, residuals.scale)

@@ -83,7 +83,7 @@ class _Pair:
 def parameter_drifts(
     projection: ProjectedResiduals, seed: int = 0, draws: int = DRAWS, tested: int | None = None
 ) -> tuple[Drift, ...]:
-    """The drift of every tested parameter along every covariate and label, the strongest first.
+    """Return the drift of every tested parameter along every covariate and label, the strongest first.
 
     Parameters
     ----------
@@ -120,7 +120,7 @@ def parameter_drifts(
 
 
 def _pairs(projection: ProjectedResiduals, tested: int | None) -> list[_Pair]:
-    """All pairs of parameter and covariate or label with at least one testable instrument."""
+    """Return all pairs of parameter and covariate or label with at least one testable instrument."""
     residuals, pairs = projection.residuals, []
     for place in range(len(residuals.tested))[:tested]:
         weights = projection.information(place)
@@ -141,7 +141,7 @@ def _pairs(projection: ProjectedResiduals, tested: int | None) -> list[_Pair]:
 def _drift(
     projection: ProjectedResiduals, pair: _Pair, statistic: float, p: float, alike: Mapping[str, tuple[str, ...]]
 ) -> Drift:
-    """The drift of one pair, with its refitted change and its clause.
+    """Return the drift of one pair, with its refitted change and its clause.
 
     Parameters
     ----------
@@ -180,7 +180,7 @@ def _drift(
 
 
 def alike_words(name: str, same: tuple[str, ...]) -> str:
-    """The end of a sentence on a covariate or label that names its collinear ones; empty where there are none."""
+    """Return the end of a sentence, which names the collinear ones of a covariate or label; empty without any."""
     return f"; these data cannot separate {name} from {joined_names(same)}" if same else ""
 
 
@@ -213,6 +213,6 @@ def look_alikes(residuals: Residuals) -> dict[str, tuple[str, ...]]:
 
 
 def about_mean(values: Array) -> Array:
-    """Values (n,) minus their mean, scaled to unit length; all 0 where they are constant."""
+    """Return values (n,) minus their mean, scaled to unit length; all 0 where they are constant."""
     centred = values - values.mean()
     return centred / max(float(np.linalg.norm(centred)), 1e-300)

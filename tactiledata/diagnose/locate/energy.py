@@ -92,7 +92,7 @@ class _Condition:
 
 
 def energy_shares(projection: ProjectedResiduals, noise: float = 1.0, seed: int = 0) -> EnergyShares:
-    """Shares of the excess of the squared residual over the noise, after the refit.
+    """Return shares of the excess of the squared residual over the noise, after the refit.
 
     Parameters
     ----------
@@ -147,7 +147,7 @@ def energy_shares(projection: ProjectedResiduals, noise: float = 1.0, seed: int 
 
 
 def _sharpest(conditions: list[_Condition], square: Array, residuals: Residuals) -> tuple[_Condition, ...]:
-    """The conjunction whose share of the excess most exceeds its share of the values, by a greedy search.
+    """Return the conjunction whose share of the excess most exceeds its share of the values, by a greedy search.
 
     Parameters
     ----------
@@ -178,7 +178,7 @@ def _sharpest(conditions: list[_Condition], square: Array, residuals: Residuals)
 
 
 def _all(chosen: tuple[_Condition, ...], residuals: Residuals) -> tuple[Mask, Mask]:
-    """Masks of the frames (n,) and components (k,) that meet all chosen conditions."""
+    """Return masks of the frames (n,) and components (k,) that meet all chosen conditions."""
     frames: Mask = np.ones(len(residuals.values), dtype=bool)
     columns: Mask = np.ones(len(residuals.components), dtype=bool)
     for condition in chosen:
@@ -187,7 +187,7 @@ def _all(chosen: tuple[_Condition, ...], residuals: Residuals) -> tuple[Mask, Ma
 
 
 def _conditions(residuals: Residuals) -> Iterator[_Condition]:
-    """Every single condition: components, levels of labels, and thirds of covariates."""
+    """Return every single condition: components, levels of labels, and thirds of covariates."""
     all_frames: Mask = np.ones(len(residuals.values), dtype=bool)
     # single components and groups of them, then levels of labels, then thirds of covariates
     names = residuals.components
@@ -217,13 +217,13 @@ def _conditions(residuals: Residuals) -> Iterator[_Condition]:
 
 
 def _joined(chosen: tuple[_Condition, ...]) -> str:
-    """The conditions in words, components first."""
+    """Return the conditions in words, components first."""
     order = sorted(chosen, key=lambda condition: condition.factor != "component")
     return ", ".join(condition.words for condition in order) if order else "all values alike"
 
 
 def _resamples(residuals: Residuals, seed: int) -> Array:
-    """Number of times (b, u) that each unit of exchange is drawn in each of b bootstrap samples."""
+    """Return the number of times (b, u) that each unit of exchange is drawn in each of b bootstrap samples."""
     units = residuals.unit_count
     rng = np.random.default_rng(seed)
     return rng.multinomial(units, np.full(units, 1.0 / units), size=BOOTSTRAPS).astype(np.float64)

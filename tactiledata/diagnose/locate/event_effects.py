@@ -60,7 +60,7 @@ class EventEffect:
 def event_effects(
     projection: ProjectedResiduals, events: Sequence[Events], seed: int = 0, draws: int = DRAWS
 ) -> tuple[EventEffect, ...]:
-    """The departure of every component after every kind of event, with its best shape; the most certain first.
+    """Return the departure of every component after every kind of event, with its best shape; the most certain first.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def event_effects(
 
 
 def directions_of(residuals: Residuals) -> Iterator[tuple[str, Array]]:
-    """Names and directions (n, k), each of unit length or 0: the components, then `Residuals.ways`."""
+    """Return names and directions (n, k), each of unit length or 0: the components, then `Residuals.ways`."""
     for column, component in enumerate(residuals.components):
         direction = np.zeros_like(residuals.values)
         direction[:, column] = 1.0
@@ -118,7 +118,7 @@ def directions_of(residuals: Residuals) -> Iterator[tuple[str, Array]]:
 
 
 def shapes_after(residuals: Residuals, events: Events) -> Array:
-    """Instruments (n, 3) of the three `SHAPES` after the latest event of its kind in each trajectory; 0 before it."""
+    """Return instruments (n, 3) of the three `SHAPES` after the latest event of each trajectory; 0 before it."""
     last = np.full(len(residuals.values), -1)
     last[events.rows] = events.rows
     last = np.maximum.accumulate(last)
@@ -129,7 +129,7 @@ def shapes_after(residuals: Residuals, events: Events) -> Array:
 
 
 def _find(given: LocatorInput) -> tuple[EventEffect, ...] | None:
-    """Departures that begin at any kind of event; ``None`` where the labels show no event."""
+    """Return departures that begin at any kind of event; ``None`` where the labels show no event."""
     return event_effects(given.projection, given.events, given.seed + 9, given.draws) or None
 
 

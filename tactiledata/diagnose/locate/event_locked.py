@@ -95,7 +95,7 @@ def event_locked(
     seed: int = 0,
     draws: int = DRAWS,
 ) -> tuple[EventLocked, ...]:
-    """The event-locked means and clusters of every kind of event, in the given order.
+    """Return the event-locked means and clusters of every kind of event, in the given order.
 
     Parameters
     ----------
@@ -141,23 +141,23 @@ class _Window:
     trajectories: int
 
     def flipped(self, flips: Array) -> Array:
-        """Studentised means (draws, w, k) after each unit is multiplied by its sign (draws, u)."""
+        """Return the studentised means (draws, w, k) after each unit is multiplied by its sign (draws, u)."""
         flat = flips @ self.sums.reshape(len(self.sums), -1)
         return self._student(flat.reshape(len(flips), *self.sums.shape[1:]))
 
     def observed(self) -> Array:
-        """Studentised means (1, w, k) of the data."""
+        """Return the studentised means (1, w, k) of the data."""
         return self._student(self.sums.sum(axis=0)[None])
 
     def _student(self, total: Array) -> Array:
-        """Studentised means from sums (…, w, k); 0 where fewer than 5 units have the frame."""
+        """Return the studentised means from sums (…, w, k); 0 where fewer than 5 units have the frame."""
         counts = np.maximum(self.counts, 2.0)
         variance = np.maximum(self.squares - total**2 / counts, 1e-300) * counts / (counts - 1.0)
         return np.where(self.counts >= 5, total / np.sqrt(variance), 0.0)
 
 
 def _windows(residuals: Residuals, events: Events, frames: NDArray[np.int64]) -> _Window:
-    """Residuals about each event, without the mean before it, averaged over the events of each unit of exchange."""
+    """Return residuals about each event, less the mean before it, averaged over each unit's events."""
     rows = events.rows[:, None] + frames
     inside = (rows >= 0) & (rows < len(residuals.values))
     rows = np.clip(rows, 0, len(residuals.values) - 1)
@@ -182,7 +182,7 @@ def _windows(residuals: Residuals, events: Events, frames: NDArray[np.int64]) ->
 
 
 def _runs(student: Array) -> Array:
-    """Running sums (draws, w, k) of studentised means over neighbouring frames above the threshold, of one sign."""
+    """Return running sums (draws, w, k) of studentised means over neighbouring large frames of one sign."""
     runs = np.zeros_like(student)
     running = np.zeros((len(student), student.shape[2]))
     for frame in range(student.shape[1]):
@@ -196,7 +196,7 @@ def _runs(student: Array) -> Array:
 def _summary(
     events: Events, window: _Window, residuals: Residuals, frames: NDArray[np.int64], largest: Array
 ) -> EventLocked:
-    """Means, clusters and clause of one kind of event.
+    """Return the means, clusters and clause of one kind of event.
 
     Parameters
     ----------
@@ -236,7 +236,7 @@ def _summary(
 
 
 def _words(event: str, clusters: list[Cluster], scale: str) -> str:
-    """A clause on the most certain cluster of an event, and the other components with certain clusters."""
+    """Return a clause on the most certain cluster of an event, and the other components with certain clusters."""
     certain = [cluster for cluster in clusters if cluster.p <= 0.05]
     if not certain:
         return f"{event}: no departure begins there"

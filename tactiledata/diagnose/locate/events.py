@@ -43,7 +43,7 @@ class Events:
 
 
 def stretch_numbers(residuals: Residuals) -> Indices:
-    """Number (n,) of each frame's stretch: successive frames of one trajectory in which no label changes."""
+    """Return the number (n,) of each frame's stretch: successive frames of one trajectory in which no label changes."""
     begins = np.concatenate([[0], np.diff(residuals.trajectory)]) != 0
     for texts in residuals.labels.values():
         begins[1:] |= texts[1:] != texts[:-1]
@@ -51,7 +51,7 @@ def stretch_numbers(residuals: Residuals) -> Indices:
 
 
 def find_events(residuals: Residuals) -> tuple[Events, ...]:
-    """All kinds of events that at least `FEWEST_TRAJECTORIES` trajectories show."""
+    """Return all kinds of events that at least `FEWEST_TRAJECTORIES` trajectories show."""
     rows_of: dict[str, list[Indices]] = {}
     is_inside = np.diff(residuals.trajectory) == 0
     for label, texts in residuals.labels.items():
@@ -65,7 +65,7 @@ def find_events(residuals: Residuals) -> tuple[Events, ...]:
 
 
 def _name(label: str, before: str, after: str) -> str:
-    """Name of the event at which a label changes from one text to another."""
+    """Return the name of the event at which a label changes from one text to another."""
     for (known_label, start, end), name in KNOWN.items():
         if known_label == label and start in (None, before) and end in (None, after):
             return name

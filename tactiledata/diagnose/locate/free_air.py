@@ -15,7 +15,7 @@ from tactiledata.diagnose.residuals.sign_flips import DRAWS
 
 
 def with_zeros(residuals: Residuals) -> Residuals:
-    """A copy with a zero of each component as a further shared parameter, in the component's unit."""
+    """Return a copy with a zero of each component as a further shared parameter, in the component's unit."""
     width = len(residuals.components)
     deviations = np.ones(width) if residuals.deviations is None else residuals.deviations
     units = residuals.units or ("times the noise",) * width
@@ -37,7 +37,7 @@ NOT_IN_CONTACT = (FREE_AIR, "approach")
 
 
 def in_contact(residuals: Residuals) -> NDArray[np.bool_]:
-    """Mask (n,) of the frames in contact; all frames where the label ``phase`` is missing."""
+    """Return the mask (n,) of the frames in contact; all frames where the label ``phase`` is missing."""
     phases = residuals.labels.get(PHASE)
     if phases is None:
         return np.ones(len(residuals.values), dtype=bool)
@@ -111,13 +111,13 @@ def free_air(residuals: Residuals, seed: int = 0, draws: int = DRAWS) -> FreeAir
 
 
 def _with_zeros_only(alone: Residuals) -> Residuals:
-    """The free-air frames with the zeros as their only parameters, and without the labels that describe contact."""
+    """Return the free-air frames with the zeros as their only parameters, without labels that describe contact."""
     labels = {name: texts for name, texts in alone.labels.items() if name not in (PHASE, "contact")}
     return with_zeros(replace(alone, labels=labels, parameters=(), sensitivities=None))
 
 
 def _words(p: float, means: tuple[Offset, ...], drifts: tuple[Drift, ...]) -> str:
-    """The result of the test as sentences; the most certain mean or drift stands for all."""
+    """Return the result of the test as sentences; the most certain mean or drift stands for all."""
     if p > 0.05:
         return "There is no structure in free air: sensor, mount and clock do not explain differences in contact."
     p_of_clause = {mean.words: mean.p for mean in means} | {drift.words: drift.p for drift in drifts}

@@ -128,7 +128,7 @@ def gate(projection: ProjectedResiduals, noise: NoiseModel, seed: int = 0, draws
 
 
 def _draws(residuals: Residuals, noise: NoiseModel, rng: np.random.Generator, draws: int) -> Array:
-    """Simulated whitened residuals (n, k, d) when no physics is missing.
+    """Return simulated whitened residuals (n, k, d) when no physics is missing.
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ def _draws(residuals: Residuals, noise: NoiseModel, rng: np.random.Generator, dr
 
 
 def _slow_draws(residuals: Residuals, rng: np.random.Generator, draws: int) -> Array:
-    """Random values (n, k, d) that are sums of slow cosines in each trajectory, with a mean variance of 1."""
+    """Return random values (n, k, d) that are sums of slow cosines in each trajectory, with a mean variance of 1."""
     shape = (len(residuals.starts), SLOW, residuals.values.shape[1], draws)
     waves = (
         _slow_basis(residuals)
@@ -174,7 +174,7 @@ def _slow_draws(residuals: Residuals, rng: np.random.Generator, draws: int) -> A
 
 
 def _statistics(projection: ProjectedResiduals, slow: Array, values: Array) -> Array:
-    """Mean square and slow share (2, d) of residuals (n, k, d) after the projection.
+    """Return the mean square and slow share (2, d) of residuals (n, k, d) after the projection.
 
     Parameters
     ----------
@@ -197,7 +197,7 @@ def _statistics(projection: ProjectedResiduals, slow: Array, values: Array) -> A
 
 
 def _slow_basis(residuals: Residuals) -> Array:
-    """Orthonormal slow cosines (n, s) of each trajectory; columns beyond its number of frames are 0."""
+    """Return the orthonormal slow cosines (n, s) of each trajectory; columns beyond its number of frames are 0."""
     basis = np.zeros((len(residuals.values), SLOW))
     for start, count in zip(residuals.starts, residuals.counts, strict=True):
         phase = np.pi * (np.arange(count) + 0.5) / count

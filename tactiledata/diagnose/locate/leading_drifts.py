@@ -26,7 +26,7 @@ def leading_drifts(
     draws: int = DRAWS,
     errors: Mapping[str, float] | None = None,
 ) -> tuple[Drift, ...]:
-    """The strongest drift, then those that are certain with all stronger ones fitted; at most three.
+    """Return the strongest drift, then those that are certain with all stronger ones fitted; at most three.
 
     A scale that drifts with speed makes the offset drift with speed, too, and with all that correlates with speed.
     These secondary drifts vanish once the scale may follow the speed.
@@ -58,7 +58,7 @@ def leading_drifts(
 
 
 def _strongest(drifts: Sequence[Drift], is_followed: bool) -> Drift | None:
-    """The first certain drift whose interval excludes 0, or ``None``.
+    """Return the first certain drift whose interval excludes 0, or ``None``.
 
     Without such a drift the first round (``is_followed`` is False) takes the first certain one. Later rounds end, as
     fitting a slope of about 0 would change nothing.
@@ -69,7 +69,7 @@ def _strongest(drifts: Sequence[Drift], is_followed: bool) -> Drift | None:
 
 
 def _field(projection: ProjectedResiduals, drift: Drift) -> NDArray[np.float64]:
-    """The whitened field (n, k) of a drift of size 1: a slope over a covariate, or an indicator of a label's level."""
+    """Return the whitened field (n, k) of a drift of size 1: a slope over a covariate, or a level's indicator."""
     residuals = projection.residuals
     place = [residuals.parameters[number].name for number in residuals.shared].index(drift.parameter)
     if drift.covariate in residuals.labels:

@@ -117,23 +117,23 @@ class LocatorResults:
         return any(value <= LEVEL for value in self.p.values())
 
     def is_certain(self, locator: str) -> bool:
-        """Whether one locator, by its name in ``p``, is certain at the error rate over all locators."""
+        """Return whether one locator, by its name in ``p``, is certain at the error rate over all locators."""
         return self.p.get(locator, 1.0) <= LEVEL
 
     def _reported_drifts(self) -> list[Drift]:
-        """The drifts for sentences: all leading ones, and the most certain one of own parameters."""
+        """Return the drifts for sentences: all leading ones, and the most certain one of own parameters."""
         shared = self.leading if self.is_certain("drifting parameters") else ()
         return [*shared, *(self.own[:1] if self.is_certain("trajectories' own parameters") else ())]
 
     def _of_table(self, title: str) -> list[str]:
-        """Sentences on the certain findings of one locator of the table; none where it is not certain among all."""
+        """Return sentences on the certain findings of one locator of the table; none where it is not certain."""
         if not self.is_certain(title):
             return []
         most = next(LOCATORS[name].most_said for name in LOCATORS if LOCATORS[name].title == title)
         return [_sentence(finding.words) for finding in self.by_table[title] if finding.p <= LEVEL][:most]
 
     def sentences(self) -> list[str]:
-        """The certain findings as sentences, simple causes first; one sentence that says so where there are none."""
+        """Return the certain findings as sentences, simple causes first; one sentence says so where there are none."""
         if not self.is_structured:
             return ["Nothing found: no locator finds structure beyond chance."]
         sentences, drifts = [], self._reported_drifts()
@@ -165,7 +165,7 @@ class LocatorResults:
 
 
 def locate(residuals: Residuals, options: LocateOptions | None = None) -> LocatorResults:
-    """The findings of every locator on the same residuals, with p-values corrected over all locators.
+    """Return the findings of every locator on the same residuals, with p-values corrected over all locators.
 
     Parameters
     ----------
@@ -224,7 +224,7 @@ def locate(residuals: Residuals, options: LocateOptions | None = None) -> Locato
 
 
 def _contrasts(projection: ProjectedResiduals, options: LocateOptions) -> tuple[Contrast, ...] | None:
-    """The contrasts; ``None`` where the noise, its correlation or the simulation's own errors are not known."""
+    """Return the contrasts; ``None`` where the noise, its correlation or the simulation's own errors are not known."""
     inflation = None if options.noise is None else options.noise.inflation
     if options.errors is None or inflation is None:
         return None
@@ -232,6 +232,6 @@ def _contrasts(projection: ProjectedResiduals, options: LocateOptions) -> tuple[
 
 
 def _sentence(words: str) -> str:
-    """The words as a sentence, with a capital unless they begin with a symbol such as fz or mu."""
+    """Return the words as a sentence, with a capital unless they begin with a symbol such as fz or mu."""
     first = words.split()[0]
     return f"{words if len(first) <= 2 else words[0].upper() + words[1:]}."

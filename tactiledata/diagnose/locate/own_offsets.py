@@ -53,7 +53,7 @@ class _Fact:
 
 
 def own_drifts(projection: ProjectedResiduals, seed: int = 0, draws: int = DRAWS) -> tuple[Drift, ...]:
-    """The dependence of every own parameter on every covariate and level of a label, the most certain first.
+    """Return the dependence of every own parameter on every covariate and level of a label, the most certain first.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def own_drifts(projection: ProjectedResiduals, seed: int = 0, draws: int = DRAWS
 
 
 def own_values(projection: ProjectedResiduals) -> dict[str, Array]:
-    """Most likely values (u,) of the tested own parameters, by name: means over each unit's trajectories.
+    """Return the most likely values (u,) of the tested own parameters, by name: means over each unit's trajectories.
 
     With the prior N(0, v) and sensitivities s, the most likely value of a parameter is ``v sᵀ V⁻¹ r`` for a residual r
     with covariance V. Shared parameters are refitted under their priors.
@@ -110,7 +110,7 @@ def own_values(projection: ProjectedResiduals) -> dict[str, Array]:
 
 
 def _facts(residuals: Residuals, touched: NDArray[np.bool_]) -> Iterator[_Fact]:
-    """Covariates that vary mainly between units, and levels that hold for whole units; ``touched`` (n,) is contact."""
+    """Return covariates that vary mainly between units, and levels that whole units have; ``touched`` is contact."""
     weights = touched.astype(float)
     frames = np.maximum(residuals.by_unit(weights), 1.0)
     unit = residuals.unit_of_trajectory[residuals.trajectory]
@@ -130,7 +130,7 @@ def _facts(residuals: Residuals, touched: NDArray[np.bool_]) -> Iterator[_Fact]:
 
 
 def _drift(residuals: Residuals, name: str, own: Array, fact: _Fact, p: float, same: tuple[str, ...]) -> Drift:
-    """The least-squares slope of an own parameter over a fact, as a drift with its clause.
+    """Return the least-squares slope of an own parameter over a fact, as a drift with its clause.
 
     Parameters
     ----------
@@ -160,6 +160,6 @@ def _drift(residuals: Residuals, name: str, own: Array, fact: _Fact, p: float, s
 
 
 def _exchanged(units: int, draws: int, seed: int) -> NDArray[np.int64]:
-    """Random permutations (draws, u) of the units of exchange."""
+    """Return random permutations (draws, u) of the units of exchange."""
     rng = np.random.default_rng(seed)
     return rng.permuted(np.tile(np.arange(units), (draws, 1)), axis=1)

@@ -60,7 +60,7 @@ class RegionMap:
 def region_maps(
     projection: ProjectedResiduals, across: str = "x", up: str = "y", seed: int = 0, draws: int = DRAWS
 ) -> tuple[RegionMap, ...]:
-    """A map of each tested parameter over two covariates, the most certain first.
+    """Return a map of each tested parameter over two covariates, the most certain first.
 
     Without one of the covariates, or where they span less than two places, there are no maps.
 
@@ -124,7 +124,7 @@ def region_maps(
 
 
 def _axes(x: Array, y: Array) -> tuple[Array, Array]:
-    """Coordinates (a,) and (b,) of an even grid over the 2 % to 98 % quantiles of two covariates (n,)."""
+    """Return coordinates (a,) and (b,) of an even grid over the 2 % to 98 % quantiles of two covariates (n,)."""
     low, high = np.quantile([x, y], [0.02, 0.98], axis=1)
     step = float((high - low).max()) / (ACROSS - 1)
     if not step > 0:
@@ -134,7 +134,7 @@ def _axes(x: Array, y: Array) -> tuple[Array, Array]:
 
 
 def _kernels(place_x: Array, place_y: Array, x: Array, y: Array) -> Array:
-    """Gaussian kernels (n, b a) about the places of the map.
+    """Return the Gaussian kernels (n, b a) about the places of the map.
 
     Parameters
     ----------

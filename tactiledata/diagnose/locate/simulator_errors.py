@@ -27,7 +27,7 @@ SIZED = (Drift, EventEffect, Leaf, RegionMap, ChangePoint)
 
 
 def beyond_errors(findings: Sequence[Finding], errors: Mapping[str, float] | None) -> tuple[Finding, ...]:
-    """The findings with their p-value raised to that of noise and errors of the simulation; the most certain first.
+    """Return the findings, their p-values raised to those of noise and simulation errors; the most certain first.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def beyond_errors(findings: Sequence[Finding], errors: Mapping[str, float] | Non
 
 
 def _p(finding: Drift | EventEffect | Leaf | RegionMap | ChangePoint, errors: Mapping[str, float], tests: int) -> float:
-    """p-value that noise and errors of the simulation cause so large a finding in any of so many tests (Bonferroni).
+    """Return the p-value of so large a finding in so many tests by noise and simulation errors (Bonferroni).
 
     Parameters
     ----------
@@ -79,6 +79,6 @@ def _p(finding: Drift | EventEffect | Leaf | RegionMap | ChangePoint, errors: Ma
 
 
 def _of_change(change: Change) -> tuple[float, float]:
-    """Size and standard error of a change, as shares of the parameter's value where it is known."""
+    """Return the size and standard error of a change, as shares of the parameter's value where it is known."""
     unit = abs(change.parameter.value) if change.is_relative else 1.0
     return change.value / unit, change.half_width / Z_95 / unit

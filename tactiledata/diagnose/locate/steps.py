@@ -79,7 +79,7 @@ class ChangePoint:
 
 
 def series_of(projection: ProjectedResiduals, order_by: str) -> list[Series]:
-    """The value of each tested parameter in each trajectory alone, ordered by the trajectories' mean of a covariate.
+    """Return each tested parameter in each trajectory alone, ordered by the trajectories' mean of a covariate.
 
     A parameter that fewer than `FEWEST_UNITS` trajectories determine well has no series.
     """
@@ -110,7 +110,7 @@ def series_of(projection: ProjectedResiduals, order_by: str) -> list[Series]:
 def change_points(
     projection: ProjectedResiduals, order_by: str = "index", seed: int = 0, draws: int = DRAWS
 ) -> tuple[ChangePoint, ...]:
-    """Steps of the tested parameters along a covariate, the most certain first; none where `can_step` is False.
+    """Return steps of the tested parameters along a covariate, the most certain first; none without `can_step`.
 
     Parameters
     ----------
@@ -150,12 +150,12 @@ def change_points(
 
 
 def can_step(residuals: Residuals, order_by: str) -> bool:
-    """Whether steps can be tested: the covariate exists, and no unit of exchange is larger than a trajectory."""
+    """Return whether steps can be tested: the covariate exists, and no unit of exchange is larger than a trajectory."""
     return order_by in residuals.covariates and residuals.blocks is None
 
 
 def segment(series: list[Series], rng: np.random.Generator, draws: int = DRAWS) -> list[list[tuple[int, float]]]:
-    """The borders of each series, ascending, with their p-values; the first borders are family-wise over all series.
+    """Return the borders of each series, ascending, with p-values; first borders are family-wise over all series.
 
     Parameters
     ----------
@@ -187,7 +187,7 @@ def segment(series: list[Series], rng: np.random.Generator, draws: int = DRAWS) 
 def _split(
     values: Array, origin: int, start: int, stop: int, p: float, rng: np.random.Generator, draws: int
 ) -> Iterator[tuple[int, float]]:
-    """The borders of a stretch and, recursively, the certain borders inside the parts that they separate.
+    """Return the borders of a stretch and, recursively, the certain borders inside the parts that they separate.
 
     Parameters
     ----------
@@ -219,7 +219,7 @@ def _split(
 
 
 def _tallest(values: Array) -> tuple[Array, Array, Array]:
-    """Largest studentised difference of a stretch of each row (b, t) from the rest of it, with its start and stop."""
+    """Return the largest studentised difference of a stretch of each row (b, t) from the rest, with start and stop."""
     count = values.shape[1]
     summed = np.concatenate([np.zeros((len(values), 1)), np.cumsum(values, axis=1)], axis=1)
     places = np.unique(np.round(np.linspace(0, count, min(count, MOST_PLACES) + 1)).astype(int))
@@ -241,14 +241,14 @@ def _tallest(values: Array) -> tuple[Array, Array, Array]:
 
 
 def _difference(series: Series, before: slice, after: slice) -> Change:
-    """Difference of the means of two stretches, after minus before, with a half width of two standard errors."""
+    """Return the difference of the means of two stretches, after minus before; half width is two errors."""
     first, second = series.values[before], series.values[after]
     spread = np.sqrt(first.var(ddof=1) / len(first) + second.var(ddof=1) / len(second))
     return Change(series.parameter, float(second.mean() - first.mean()), float(2.0 * spread))
 
 
 def _relabelled(projection: ProjectedResiduals, before: int, after: int) -> str:
-    """A phrase on the labels that change between two trajectories, which may cause the step; empty where none does."""
+    """Return a phrase on labels that change between two trajectories, the step's possible cause; empty without any."""
     residuals = projection.residuals
     rows = residuals.starts[[before, after]]
     changed = [name for name, texts in residuals.labels.items() if texts[rows[0]] != texts[rows[1]]]
@@ -257,7 +257,7 @@ def _relabelled(projection: ProjectedResiduals, before: int, after: int) -> str:
 
 
 def _find(given: LocatorInput) -> tuple[ChangePoint, ...] | None:
-    """Steps of the shared parameters between trajectories; ``None`` where steps cannot be asked for."""
+    """Return the steps of the shared parameters between trajectories; ``None`` where steps cannot be asked for."""
     if not can_step(given.residuals, given.order_by):
         return None
     return change_points(given.projection, given.order_by, given.seed + 4)

@@ -55,7 +55,7 @@ class Leaf:
 
 
 def honest_tree(projection: ProjectedResiduals, seed: int = 0, draws: int = DRAWS) -> tuple[Leaf, ...]:
-    """All testable leaves and components with their mean residual, the most certain first.
+    """Return all testable leaves and components with their mean residual, the most certain first.
 
     With fewer than 16 units of exchange, or without covariates, there are none.
 
@@ -124,7 +124,7 @@ def honest_tree(projection: ProjectedResiduals, seed: int = 0, draws: int = DRAW
 
 
 def _leaf(conditions: str, component: str, scale: str, sums: Array, counts: Array, p: float) -> Leaf:
-    """One leaf and component, with the mean residual and its interval.
+    """Return one leaf and component, with the mean residual and its interval.
 
     Parameters
     ----------
@@ -145,7 +145,7 @@ def _leaf(conditions: str, component: str, scale: str, sums: Array, counts: Arra
 
 
 def _labels(residuals: Residuals) -> tuple[list[tuple[str, str]], Array]:
-    """Names (label, level) and indicator features (n, f) of the labels' levels."""
+    """Return names (label, level) and indicator features (n, f) of the labels' levels."""
     listed, columns = [], [np.zeros((len(residuals.values), 0))]
     for label, texts in residuals.labels.items():
         for level in np.unique(texts)[:MOST_LABEL_LEVELS]:
@@ -155,7 +155,7 @@ def _labels(residuals: Residuals) -> tuple[list[tuple[str, str]], Array]:
 
 
 def _paths(tree: object, features: list[str | tuple[str, str]], residuals: Residuals) -> dict[int, str]:
-    """Conditions that lead to each leaf node, in words; of two on the same side of a covariate the narrower one.
+    """Return conditions that lead to each leaf node, in words; of two on the same side of a covariate the narrower one.
 
     Parameters
     ----------
@@ -186,7 +186,7 @@ def _paths(tree: object, features: list[str | tuple[str, str]], residuals: Resid
 
 
 def _find(given: LocatorInput) -> tuple[Leaf, ...] | None:
-    """Leaves of a tree over all covariates and labels; ``None`` where no tree can be grown."""
+    """Return the leaves of a tree over all covariates and labels; ``None`` where no tree can be grown."""
     return honest_tree(given.projection, given.seed + 6, given.draws) or None
 
 

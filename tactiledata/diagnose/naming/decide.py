@@ -135,7 +135,7 @@ def decide(
     """
     is_left = left.is_structure(thresholds)
     chances = _probabilities(singles, pairs, thresholds, is_left)
-    # ranked by the evidence beyond what errors of the simulation can bring
+    # candidates in the order of their evidence beyond what errors of the simulation can bring
     ranked = sorted(singles, key=lambda single: -single.beyond(thresholds))
     # the first single without objections, unless one that is objected to has far more beyond
     best = next((single for single in ranked if not single.objections(thresholds)), None)
@@ -158,7 +158,7 @@ def decide(
             ),
             left, True,
         )  # fmt: skip
-    # one of many that explain about as much, and that errors of the simulation resemble
+    # no name where errors of the simulation resemble the best effect and several others explain about as much
     crowd = [] if best is None or len(best.names) > 1 else _crowd(best, ranked, thresholds)
     if best is not None and crowd:
         reason = f"{len(crowd)} other effects explain nearly as much: these data do not say which it is"
@@ -214,6 +214,7 @@ def needed_of(
 
 
 def _evidence(candidate: ScoredCandidate) -> float:
+    """Return the evidence of a candidate, by which candidates are compared."""
     return candidate.evidence
 
 

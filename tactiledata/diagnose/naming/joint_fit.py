@@ -311,6 +311,6 @@ def plain_fit(whitened: WhitenedTouches, material: GelMaterial) -> JointFit:
 def settled_plain_fit(whitened: WhitenedTouches, start: JointModel) -> JointFit:
     """Return the fit without effects from a start; of two fits that do not settle, the one with the lower cost.
 
-    What an effect explains is measured against it, so that doubt is in favour of the plain simulation.
+    Effects are compared with it: the lower cost leaves them less to explain.
     """
     return min(settled_fits(whitened, first_fit(whitened, start)), key=lambda fit: fit.cost)

@@ -108,7 +108,12 @@ class Refits:
     def score_and_decide(
         self, singles: list[JointFit], pairs: list[JointFit]
     ) -> tuple[list[ScoredCandidate], Decision]:
-        """Return the scores of all refits, and the answer; where a pair is named, its substitutes are refitted too."""
+        """Return the scores of all refits, and the answer.
+
+        Each refit is scored by its evidence and by what it gains on held-out trajectories and indenters, in units of
+        the dispersion that the best fit leaves there. Where a pair is named, refits in which another effect replaces
+        one of the two are scored as well: those that explain the data as well become ties.
+        """
         seed, thresholds = self.options.seed, self.options.thresholds
         # held-out squares of every fit, and the dispersion that the best one leaves
         self.progress("held-out trajectories and indenters")
@@ -196,7 +201,7 @@ class Refits:
     def _settled(self, fit: JointFit | None, to_beat: float) -> JointFit | None:
         """Return the fit with the errors of the simulation about itself; ``None`` where there is no balance.
 
-        Of two fits that do not settle the one with the higher cost is kept: doubt is in favour of the plain simulation.
+        Of two fits that do not settle, the one with the higher cost is kept: it gives the effects less evidence.
 
         Parameters
         ----------

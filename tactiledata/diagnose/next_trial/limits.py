@@ -72,7 +72,7 @@ def _no_dwell(cases: TouchSet) -> str:
 
 
 def _dwells(case: TouchCase) -> bool:
-    """Whether the tip rests in contact for more than `LONG` seconds."""
+    """Return whether the tip rests in contact for more than `LONG` seconds."""
     is_still = (np.linalg.norm(np.diff(case.touch.tips, axis=0), axis=1) < STILL) & ~case.free_air[1:]
     seconds = 0.0
     for still, step in zip(is_still, np.diff(case.touch.seconds), strict=True):

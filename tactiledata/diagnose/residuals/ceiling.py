@@ -14,7 +14,7 @@ from tactiledata.diagnose.residuals.residuals import Residuals
 
 
 def features(residuals: Residuals) -> Array:
-    """Features (n, f) of each frame: the covariates in their units, then each label as the number of its level."""
+    """Return features (n, f) of each frame: covariates in their units, then each label as the number of its level."""
     columns = [covariate.values for covariate in residuals.covariates.values()]
     columns += [np.unique(texts, return_inverse=True)[1].astype(np.float64) for texts in residuals.labels.values()]
     return np.column_stack(columns) if columns else np.zeros((len(residuals.values), 0))
@@ -101,7 +101,7 @@ def black_box(projection: ProjectedResiduals, seed: int = 0) -> BlackBox:
 
 
 def _p(projection: ProjectedResiduals, predicted: Array) -> float:
-    """One-sided p-value of the products of residual and prediction, one for each unit of exchange.
+    """Return the one-sided p-value of the products of residual and prediction, one for each unit of exchange.
 
     Two units of different folds predict one another, so that their products are correlated: the standard error of the
     sum is the square root of 2 times that of independent products.

@@ -29,11 +29,11 @@ class Unit:
     exponents: Exponents
 
     def power(self, exponent: float) -> Unit:
-        """The unit raised to an exponent."""
+        """Return the unit raised to an exponent."""
         return Unit(self.factor**exponent, tuple(exponent * own for own in self.exponents))
 
     def times(self, other: Unit) -> Unit:
-        """The product of this unit and another one."""
+        """Return the product of this unit and another one."""
         both = tuple(a + b for a, b in zip(self.exponents, other.exponents, strict=True))
         return Unit(self.factor * other.factor, both)
 
@@ -78,7 +78,7 @@ PLAIN: dict[tuple[int, ...], dict[str, float]] = {
 
 
 def _table() -> dict[str, Unit]:
-    """Every known unit by its text, with and without prefixes."""
+    """Return every known unit by its text, with and without prefixes."""
     known = {
         f"{prefix}{name}": Unit(size * factor, tuple(map(float, exponents)))
         for exponents, names in BASE.items()
@@ -99,7 +99,7 @@ _POWER = re.compile(r"(?P<name>[^\W\d_]+|%|1)(?:\^?(?P<power>-?\d))?")
 
 
 def find_unit(text: str) -> Unit | None:
-    """The unit that a text such as ``"N/mm"``, ``"mm^2"`` or ``"N m"`` means; ``None`` where the text is no unit."""
+    """Return the unit that a text such as ``"N/mm"``, ``"mm^2"`` or ``"N m"`` means; ``None`` where it means none."""
     total = Unit(1.0, NONE)
     for position, part in enumerate(text.strip().split("/")):
         words = part.replace("*", " ").split()

@@ -15,7 +15,7 @@ BOOTSTRAPS = 2000
 
 
 def scatter(values: Array, starts: NDArray[np.int64]) -> float:
-    """Root mean square of the frame-to-frame noise of residuals (n, k): a floor where the noise is not known.
+    """Return the root mean square of the frame-to-frame noise of residuals (n, k): a floor without stated noise.
 
     The estimate uses second differences inside trajectories (Gasser, Sroka and Jennen-Steinmetz 1986), which smooth
     structure does not affect. It is too small where the noise of neighbouring frames is positively correlated; the
@@ -56,7 +56,7 @@ class Gap:
 
 
 def gap_closed(before: Array, after: Array, counts: Array, floor: float, seed: int = 0) -> Gap:
-    """The share of the gap that a correction closes, on frames that had no part in choosing it.
+    """Return the share of the gap that a correction closes, on frames that had no part in choosing it.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def gap_closed(before: Array, after: Array, counts: Array, floor: float, seed: i
 
 
 def is_improved(before: Array, after: Array) -> bool:
-    """Whether the sums of squares (u,) fell from before to after, by a one-sided t-test at 2.5 % over units."""
+    """Return whether the sums of squares (u,) fell from before to after, by a one-sided t-test at 2.5 % over units."""
     gained = before - after
     if not gained.any():
         return False

@@ -8,13 +8,13 @@ from tactiledata.arrays import Array, Indices
 
 
 def largest_so_far(values: Array, starts: Indices) -> Array:
-    """Running maximum (n,) of a covariate inside each trajectory, given the first row ``starts`` (t,) of each."""
+    """Return the running maximum (n,) of a covariate inside each trajectory; ``starts`` (t,) are their first rows."""
     parts = np.split(values, starts[1:])
     return np.concatenate([np.maximum.accumulate(part) for part in parts])
 
 
 def fading_memory(values: Array, seconds: Array, starts: Indices, fading: float) -> Array:
-    """Exponentially fading memory (n,) of a covariate's changes, in the covariate's unit.
+    """Return the exponentially fading memory (n,) of a covariate's changes, in the covariate's unit.
 
     ``m(t) = sum of change(s) exp(-(t - s) / fading)``: the force of a Maxwell element whose strain is proportional to
     the covariate. In each trajectory it begins at the covariate's first value.

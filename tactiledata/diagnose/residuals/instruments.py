@@ -18,7 +18,7 @@ MOST_LEVELS = 40
 
 
 def weighed_quantiles(values: Array, weights: Array, shares: Array) -> Array:
-    """Weighted quantiles (q,) of a covariate.
+    """Return the weighted quantiles (q,) of a covariate.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def weighed_quantiles(values: Array, weights: Array, shares: Array) -> Array:
 
 
 def cuts(values: Array, weights: Array) -> Array:
-    """Values (c,) of a covariate at which a step is tried: its deciles; empty where no frame has a weight.
+    """Return values (c,) of a covariate at which a step is tried: its deciles; empty where no frame has a weight.
 
     Parameters
     ----------
@@ -49,12 +49,12 @@ def cuts(values: Array, weights: Array) -> Array:
 
 
 def steps(values: Array, places: Array) -> Array:
-    """Step instruments (n, c): 1 where a covariate (n,) lies above each of the places (c,), else 0."""
+    """Return the step instruments (n, c): 1 where a covariate (n,) lies above each of the places (c,), else 0."""
     return (values[:, None] > places).astype(np.float64)
 
 
 def is_logarithmic(values: Array) -> bool:
-    """Whether a covariate (n,) is positive and spans more than a factor `WIDE` between its 5 % and 95 % quantiles."""
+    """Return whether a covariate (n,) is positive and its 5 % and 95 % quantiles are a factor `WIDE` apart."""
     if not (values > 0).all():
         return False
     low, high = np.quantile(values, [LOW, HIGH])
@@ -62,7 +62,7 @@ def is_logarithmic(values: Array) -> bool:
 
 
 def slope(values: Array, weights: Array) -> tuple[Array, float, float]:
-    """An instrument (n, 1) that is linear in a covariate or in its logarithm, and the values where it is 0 and 1.
+    """Return an instrument (n, 1), linear in a covariate or its logarithm, and the values where it is 0 and 1.
 
     These values are the weighted 5 % and 95 % quantiles. The instrument is 0 everywhere where both are equal.
 
@@ -80,7 +80,7 @@ def slope(values: Array, weights: Array) -> tuple[Array, float, float]:
 
 
 def levels(texts: Names) -> tuple[list[str], Array]:
-    """The levels of a label (n,), and indicator instruments (n, c); none where it has one level or too many."""
+    """Return the levels of a label (n,), and indicator instruments (n, c); none where it has one level or too many."""
     names, inverse = np.unique(texts, return_inverse=True)
     if not 2 <= len(names) <= MOST_LEVELS:
         return [], np.zeros((len(texts), 0))

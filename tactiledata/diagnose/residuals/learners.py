@@ -32,7 +32,7 @@ FOLDS = 5
 
 
 def folds(residuals: Residuals, seed: int, count: int = FOLDS) -> NDArray[np.int64]:
-    """Fold number (n,) of each frame, drawn at random; all frames of a unit of exchange share one fold.
+    """Return the fold number (n,) of each frame, drawn at random; all frames of a unit of exchange share one fold.
 
     Parameters
     ----------

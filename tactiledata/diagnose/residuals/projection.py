@@ -55,11 +55,11 @@ class ProjectedResiduals:
     score: Array
 
     def weigh(self, field: Array) -> Array:
-        """The product of the inverse covariance and a field (n, k, …)."""
+        """Return the product of the inverse covariance and a field (n, k, …)."""
         return _weigh(self.basis, self.residuals, field)
 
     def orthogonal(self, field: Array) -> Array:
-        """The part of a field (n, k, c) that is orthogonal to all shared parameters."""
+        """Return the part of a field (n, k, c) that is orthogonal to all shared parameters."""
         together = np.einsum("nkp,nkc->pc", self.weighed, field)
         return field - np.einsum("nkp,pc->nkc", self.directions, self.inverse @ together)
 
@@ -78,12 +78,12 @@ class ProjectedResiduals:
         return values - self.weighed @ found
 
     def information(self, place: int) -> Array:
-        """Fisher information (n,) of each frame on one shared parameter, by its place in `Residuals.shared`."""
+        """Return Fisher information (n,) of each frame on a shared parameter, by its place in `Residuals.shared`."""
         weights: Array = np.einsum("nk,nk->n", self.directions[:, :, place], self.weighed[:, :, place])
         return np.maximum(weights, 0.0)
 
     def dot(self, field: Array, other: Array) -> Array:
-        """Inner products (u, c) of two fields (n, k, c) in each unit of exchange; weigh one of them before."""
+        """Return inner products (u, c) of two fields (n, k, c) in each unit of exchange; weigh one of them before."""
         return self.residuals.by_unit(np.einsum("nkc,nkc->nc", field, other))
 
 
@@ -104,7 +104,7 @@ def project(residuals: Residuals) -> ProjectedResiduals:
 
 
 def _pseudo_inverse(gram: Array) -> Array:
-    """Pseudo-inverse (p, p) of an information matrix, whose rows are scaled first as parameters differ in unit."""
+    """Return the pseudo-inverse (p, p) of an information matrix, its rows scaled as parameters differ in unit."""
     if not gram.size:
         return gram
     scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
@@ -113,7 +113,7 @@ def _pseudo_inverse(gram: Array) -> Array:
 
 
 def _own_basis(residuals: Residuals, own: list[int]) -> Array:
-    """B (n, k, o) of the own parameters at the places ``own``, so that ``I - B Bᵀ`` is the inverse covariance."""
+    """Return B (n, k, o) of the own parameters at the places ``own``: ``I - B Bᵀ`` is the inverse covariance."""
     rows, width = residuals.values.shape
     basis = np.zeros((rows, width, len(own)))
     if not own:
@@ -135,7 +135,7 @@ def _own_basis(residuals: Residuals, own: list[int]) -> Array:
 
 
 def _weigh(basis: Array, residuals: Residuals, field: Array) -> Array:
-    """The field (n, k, …) times ``I - B Bᵀ`` of each trajectory."""
+    """Return the field (n, k, …) times ``I - B Bᵀ`` of each trajectory."""
     if not basis.shape[2]:
         return field
     flat = field.reshape(*field.shape[:2], -1)

@@ -197,11 +197,11 @@ class Residuals:
         return (*self.tested, *others)
 
     def by_unit(self, per_frame: Array) -> Array:
-        """Sums (u, …) of per-frame values (n, …) over each unit of exchange."""
+        """Return sums (u, …) of per-frame values (n, …) over each unit of exchange."""
         return self.units_of(np.add.reduceat(per_frame, self.starts, axis=0))
 
     def units_of(self, per_trajectory: Array) -> Array:
-        """Sums (u, …) of per-trajectory values (t, …) over each unit of exchange."""
+        """Return sums (u, …) of per-trajectory values (t, …) over each unit of exchange."""
         if self.blocks is None:
             return per_trajectory
         total = np.zeros((self.unit_count, *per_trajectory.shape[1:]))
@@ -209,7 +209,7 @@ class Residuals:
         return total
 
     def part(self, rows: NDArray[np.bool_]) -> Residuals:
-        """The residuals of the frames in a mask (n,), with their covariates, labels and sensitivities."""
+        """Return the residuals of the frames in a mask (n,), with their covariates, labels and sensitivities."""
         return replace(
             self,
             values=self.values[rows],
@@ -224,11 +224,11 @@ class Residuals:
         )
 
     def with_values(self, values: Array) -> Residuals:
-        """A copy with other whitened residuals (n, k) of the same frames."""
+        """Return a copy with other whitened residuals (n, k) of the same frames."""
         return replace(self, values=values)
 
     def with_fields(self, fields: Mapping[str, Array]) -> Residuals:
-        """A copy with further shared parameters at the end, whose whitened sensitivities are the fields (n, k)."""
+        """Return a copy with further shared parameters at the end, whose whitened sensitivities are fields (n, k)."""
         if not fields:
             return self
         return replace(
@@ -255,7 +255,7 @@ class Residuals:
 
 
 def joined_names(names: Sequence[str]) -> str:
-    """The names joined for a sentence: ``"a"``, ``"a and b"``, ``"a, b and c"``."""
+    """Return the names joined for a sentence: ``"a"``, ``"a and b"``, ``"a, b and c"``."""
     listed = list(names)
     return listed[0] if len(listed) == 1 else f"{', '.join(listed[:-1])} and {listed[-1]}" if listed else ""
 

@@ -41,7 +41,7 @@ class Refit:
     together: Array
 
     def change_of_variance(self, signs: Array, size: Array, by_unit: Array, information_by_unit: Array) -> Array:
-        """Change (draws, c) of the sums of squares of the units' scores, caused by the refit.
+        """Return the change (draws, c) of the sums of squares of the units' scores, caused by the refit.
 
         Parameters
         ----------
@@ -102,7 +102,7 @@ class Contributions:
         return self.flipped(np.ones((1, len(self.by_unit))))[0]
 
     def flipped(self, signs: Array) -> Array:
-        """The statistics (draws, c) after each unit's contribution is multiplied by its sign (draws, u).
+        """Return the statistics (draws, c) after each unit's contribution is multiplied by its sign (draws, u).
 
         Standard errors are those of a fit that includes the alternative, with all shared parameters refitted after the
         flips: otherwise a strong alternative would inflate its own standard error. Alternatives that rest on few units
@@ -125,7 +125,7 @@ class Contributions:
         return np.where(self.is_testable, np.copysign(normal, score), 0.0)
 
     def part(self, chosen: NDArray[np.bool_]) -> Contributions:
-        """The contributions of the alternatives in a mask (c,)."""
+        """Return the contributions of the alternatives in a mask (c,)."""
         refit = None if self.refit is None else replace(self.refit, together=self.refit.together[:, :, chosen])
         return Contributions(self.by_unit[:, chosen], self.information_by_unit[:, chosen], refit)
 
@@ -137,7 +137,9 @@ class Contributions:
 
 
 def contributions(projection: ProjectedResiduals, place: int, instruments: Array) -> Contributions:
-    """Scores of letting one shared parameter vary with instruments; see `along`.
+    """Return scores of one shared parameter varying with each of c instruments, one from each unit of exchange.
+
+    They are those of `along` with the field that a change of the parameter makes.
 
     Parameters
     ----------
@@ -152,7 +154,7 @@ def contributions(projection: ProjectedResiduals, place: int, instruments: Array
 
 
 def along(projection: ProjectedResiduals, direction: Array, instruments: Array) -> Contributions:
-    """Scores of fields ``instrument * direction``, made orthogonal to all shared and own parameters.
+    """Return scores of fields ``instrument * direction``, made orthogonal to all shared and own parameters.
 
     Parameters
     ----------
@@ -191,7 +193,7 @@ def along(projection: ProjectedResiduals, direction: Array, instruments: Array) 
 
 
 def joined_refits(refits: Sequence[Refit | None]) -> Refit | None:
-    """One refit for the alternatives of several contributions, concatenated; ``None`` where none has a refit."""
+    """Return one refit for the alternatives of several contributions, concatenated; ``None`` where none has a refit."""
     known = [refit for refit in refits if refit is not None]
     if not known:
         return None

@@ -11,7 +11,7 @@ DRAWS = 1999
 
 
 def signs(units: int, draws: int, seed: int) -> Array:
-    """Random signs (draws, units), each -1 or 1 with equal probability.
+    """Return random signs (draws, units), each -1 or 1 with equal probability.
 
     Parameters
     ----------
@@ -26,12 +26,12 @@ def signs(units: int, draws: int, seed: int) -> Array:
 
 
 def p_value(observed: float, drawn: Array) -> float:
-    """Share of the drawn statistics (draws,) that are at least as large as the observed one, which counts itself."""
+    """Return the share of drawn statistics (draws,) at least as large as the observed one, which counts itself."""
     return float((1 + np.count_nonzero(drawn >= observed)) / (1 + len(drawn)))
 
 
 def family_wise(observed: Array, drawn: Array) -> Array:
-    """Family-wise p-values (m,) of m statistics: the step-down maximum of Westfall and Young.
+    """Return the family-wise p-values (m,) of m statistics: the step-down maximum of Westfall and Young.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def family_wise(observed: Array, drawn: Array) -> Array:
 
 
 def holm(p_values: Array) -> Array:
-    """Holm's family-wise p-values (m,) of m p-values, valid for tests of any dependence."""
+    """Return Holm's family-wise p-values (m,) of m p-values, valid for tests of any dependence."""
     count = len(p_values)
     order = np.argsort(p_values, kind="stable")
     stepped = np.maximum.accumulate((count - np.arange(count)) * p_values[order])

@@ -70,7 +70,7 @@ class Change:
 
 
 def change(projection: ProjectedResiduals, place: int, instrument: Array) -> Change:
-    """The change of a shared parameter along an instrument, with all other parameters refitted.
+    """Return the change of a shared parameter along an instrument, with all other parameters refitted.
 
     The variance is the sandwich estimate over units of exchange, at the fit that includes the change.
 
@@ -98,7 +98,7 @@ def change(projection: ProjectedResiduals, place: int, instrument: Array) -> Cha
 
 
 def refitted(projection: ProjectedResiduals) -> list[Change]:
-    """The shift of each shared parameter in the linear refit, with intervals from the scatter between units.
+    """Return the shift of each shared parameter in the linear refit, with intervals from the scatter between units.
 
     The list is in the order of `Residuals.shared`.
     """
@@ -113,7 +113,7 @@ def refitted(projection: ProjectedResiduals) -> list[Change]:
 
 
 def _half_width(misfit: Array, shares: Array) -> float:
-    """Half width of a 95 % interval from each unit's shift of the value (u,) and its share of the information (u,).
+    """Return the half width of a 95 % interval from each unit's shift (u,) and its share of the information (u,).
 
     A unit with much of the information pulls the fit towards itself: its shift is scaled up by the leverage.
     """
@@ -123,7 +123,7 @@ def _half_width(misfit: Array, shares: Array) -> float:
 
 
 def over(name: str, low: float, high: float, unit: str) -> str:
-    """A phrase such as ``"between depth 0.2 mm and 1.1 mm"``.
+    """Return a phrase such as ``"between depth 0.2 mm and 1.1 mm"``.
 
     Parameters
     ----------

@@ -15,7 +15,7 @@ TOO = {True: "too low", False: "too high"}
 
 
 def rounded(value: float, digits: int = 2) -> str:
-    """A number as text with ``digits`` significant digits; with an exponent only where it is very large or small."""
+    """Return a number as text with ``digits`` significant digits; very large and small ones with an exponent."""
     if value == 0 or not math.isfinite(value):
         return f"{value:g}"
     places = digits - 1 - math.floor(math.log10(abs(value)))
@@ -25,12 +25,12 @@ def rounded(value: float, digits: int = 2) -> str:
 
 
 def quantity(value: float, unit: str) -> str:
-    """A value with its unit, such as ``"0.30 mm"``; the unit is left out where it is 1 or not known."""
+    """Return a value with its unit, such as ``"0.30 mm"``; the unit is left out where it is 1 or not known."""
     return rounded(value) if unit in ("", "1", "?") else f"{rounded(value)} {unit}"
 
 
 def with_interval(value: float, half_width: float, unit: str) -> str:
-    """A value with its interval, such as ``"11 ± 2 %"``, both rounded to the precision of the interval.
+    """Return a value with its interval, such as ``"11 ± 2 %"``, both rounded to the precision of the interval.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def with_interval(value: float, half_width: float, unit: str) -> str:
 
 
 def signed_change(name: str, value: float, half_width: float, unit: str) -> str:
-    """A clause such as ``"E falls by 11 ± 2 %"``.
+    """Return a clause such as ``"E falls by 11 ± 2 %"``.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def signed_change(name: str, value: float, half_width: float, unit: str) -> str:
 
 
 def departs(name: str, size: float, half_width: float, unit: str) -> str:
-    """A clause such as ``"measured fz is 2.2 ± 0.3 times the noise below the simulated one"``.
+    """Return a clause such as ``"measured fz is 2.2 ± 0.3 times the noise below the simulated one"``.
 
     Parameters
     ----------
@@ -79,23 +79,23 @@ def departs(name: str, size: float, half_width: float, unit: str) -> str:
 
 
 def percent(share: float) -> str:
-    """A share from 0 to 1 as a percentage, such as ``"62 %"``."""
+    """Return a share from 0 to 1 as a percentage, such as ``"62 %"``."""
     return f"{100 * share:.0f} %"
 
 
 def p_text(value: float) -> str:
-    """A p-value as text, such as ``"0.012"`` or ``"< 0.001"``."""
+    """Return a p-value as text, such as ``"0.012"`` or ``"< 0.001"``."""
     return "< 0.001" if value < 0.001 else rounded(value)
 
 
 def p_words(value: float) -> str:
-    """A p-value with its symbol, such as ``"p = 0.012"`` or ``"p < 0.001"``."""
+    """Return a p-value with its symbol, such as ``"p = 0.012"`` or ``"p < 0.001"``."""
     text = p_text(value)
     return f"p {text}" if text.startswith("<") else f"p = {text}"
 
 
 def gap_words(gap: Gap, has_gap: bool) -> str:
-    """The closed share of a gap, such as ``"82 % (70 % to 90 %)"`` or ``"all"``; a dash where there is no gap."""
+    """Return the closed share of a gap, as ``"82 % (70 % to 90 %)"`` or ``"all"``; a dash where there is no gap."""
     if not has_gap or not math.isfinite(gap.closed):
         return "-"
     if gap.interval[0] >= 1.0:
@@ -105,13 +105,13 @@ def gap_words(gap: Gap, has_gap: bool) -> str:
 
 
 def growth_words(gap: Gap) -> str:
-    """The relative growth of a gap that a correction widens, such as ``"150 % (50 % to 250 %)"``."""
+    """Return the relative growth of a gap that a correction widens, such as ``"150 % (50 % to 250 %)"``."""
     grown, low, high = (percent(-end) for end in (gap.closed, *reversed(gap.interval)))
     return f"{grown} ({low} to {high})"
 
 
 def change_words(gap: Gap) -> str:
-    """A clause that says which share of the gap is closed, or by how much the gap grows."""
+    """Return a clause that says which share of the gap is closed, or by how much the gap grows."""
     if gap.closed < 0:
         return f"the gap to the noise grows by {growth_words(gap)}"
     return f"{gap_words(gap, True)} of the gap is closed"

@@ -18,7 +18,7 @@ FORCES, LENGTHS = ("N", "mN", "uN", "kN"), ("m", "mm", "cm", "um")
 
 
 def split_unit(column: str) -> tuple[str, str]:
-    """Name and unit of a column: ``"depth_mm"`` is depth in mm, ``"speed_mm_s"`` and ``"speed_mm_per_s"`` are in mm/s.
+    """Return name and unit of a column: ``"depth_mm"`` is depth in mm, ``"speed_mm_per_s"`` speed in mm/s.
 
     A unit after ``per`` divides: ``"rate_per_s"`` is in 1/s, ``"k_N_m_per_rad"`` in N m/rad. Without ``per`` the second
     of two adjacent units divides, except in a force times a length, as in ``N_m`` and ``N_mm``. An ending that is no
@@ -33,7 +33,7 @@ def split_unit(column: str) -> tuple[str, str]:
 
 
 def _chained(words: Sequence[str]) -> str | None:
-    """The unit text of adjacent words, such as ``"N m/rad"``; ``None`` where they cannot be one. No table is asked."""
+    """Return the unit text of adjacent words, such as ``"N m/rad"``; ``None`` where they cannot be one."""
     if "deg" in words[:-1] and words[words.index("deg") + 1] == "C":
         place = words.index("deg")
         words = [*words[:place], "degC", *words[place + 2 :]]
@@ -51,7 +51,7 @@ def _chained(words: Sequence[str]) -> str | None:
 
 
 def _is_product(before: str, word: str, is_per: bool) -> bool:
-    """Whether a unit multiplies the one before it: in a torque, with a negative power, or where ``per`` is used."""
+    """Return whether a unit multiplies the one before it: in a torque, with a negative power, or after ``per``."""
     return is_per or "-" in word or (before in FORCES and word in LENGTHS)
 
 
@@ -124,7 +124,7 @@ class Columns:
 
 
 def columns_of(frame: pd.DataFrame, document: Mapping[str, Any] | None = None, group: str | None = None) -> Columns:
-    """The meaning of each column of a table, from a document or else from the columns' names.
+    """Return the meaning of each column of a table, from a document or else from the columns' names.
 
     Parameters
     ----------
@@ -183,12 +183,12 @@ def _no_number(column: pd.Series) -> None:
 
 
 def is_text(column: pd.Series) -> bool:
-    """Whether a column holds texts or booleans rather than numbers."""
+    """Return whether a column holds texts or booleans rather than numbers."""
     return not pd.api.types.is_numeric_dtype(column) or pd.api.types.is_bool_dtype(column)
 
 
 def known_column(name: str, names: Sequence[str]) -> str:
-    """The name itself; refuse a name that no column has.
+    """Return the name itself; refuse a name that no column has.
 
     Raises
     ------
@@ -201,7 +201,7 @@ def known_column(name: str, names: Sequence[str]) -> str:
 
 
 def _group(names: Sequence[str], group: str | None) -> str:
-    """The column of groups: the one that the user names, else the first of `GROUP_NAMES` that exists."""
+    """Return the column of groups: the one that the user names, else the first of `GROUP_NAMES` that exists."""
     if group is not None:
         return known_column(group, names)
     column = next((name for name in GROUP_NAMES if name in names), None)
@@ -217,7 +217,7 @@ def _group(names: Sequence[str], group: str | None) -> str:
 
 
 def _role(column: str, names: Sequence[str]) -> tuple[str, str, str] | None:
-    """Quantity, role and unit of a column, from its name; ``None`` for a column without a role.
+    """Return the quantity, role and unit of a column, from its name; ``None`` for a column without a role.
 
     The words after the role are the unit: a known unit, or any words with which both observed and predicted end.
     """
@@ -232,7 +232,7 @@ def _role(column: str, names: Sequence[str]) -> tuple[str, str, str] | None:
 
 
 def _quantities(names: Sequence[str]) -> tuple[Quantity, ...]:
-    """The quantities that the columns' names describe; refuse contradictory, incomplete or missing pairs."""
+    """Return the quantities that the columns' names describe; refuse contradictory, incomplete or missing pairs."""
     # quantity -> role -> (column, unit)
     roles_of: dict[str, dict[str, tuple[str, str]]] = {}
     for column in names:
@@ -296,7 +296,7 @@ def _each_once(group: str, quantities: Sequence[Quantity], covariates: Sequence[
 
 
 def _numbers(document: Mapping[str, Any]) -> list[tuple[str, Any]]:
-    """Every number in a columns' document, with its place in words."""
+    """Return every number in a columns' document, with its place in words."""
     numbers = [("noise_correlation", document.get("noise_correlation"))]
     numbers += [(f"noise of {name}", entry.get("noise")) for name, entry in document["quantities"].items()]
     numbers += [(f"scale of {name}", entry.get("scale")) for name, entry in document.get("covariates", {}).items()]
@@ -304,14 +304,14 @@ def _numbers(document: Mapping[str, Any]) -> list[tuple[str, Any]]:
 
 
 def _is_sane(number: float) -> bool:
-    """Whether a number is 0 or of a size whose square can be computed; False for NaN and infinity."""
+    """Return whether a number is 0 or of a size whose square can be computed; False for NaN and infinity."""
     return number == 0 or 1e-30 < abs(number) < 1e30
 
 
 def _from_document(
     names: Sequence[str], frame: pd.DataFrame, document: Mapping[str, Any], group: str | None
 ) -> Columns:
-    """The meaning of the columns as a document states it; refuse columns or covariates that do not exist."""
+    """Return the meaning of the columns as a document states it; refuse columns or covariates that do not exist."""
     quantities = tuple(
         Quantity(
             name,

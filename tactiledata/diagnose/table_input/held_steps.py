@@ -33,7 +33,7 @@ IN_MINUTES = 60.0
 
 
 def times_since_steps(covariates: Mapping[str, Covariate], starts: Indices, time: str | None) -> dict[str, Covariate]:
-    """New covariates, by name: the time in s or min since the last step of each covariate that is held at levels.
+    """Return new covariates, by name: times, s or min, since the last step of covariates that are held at levels.
 
     The result is empty where no covariate is the time, or where the unit of the time is not known.
 
@@ -83,14 +83,14 @@ def times_since_steps(covariates: Mapping[str, Covariate], starts: Indices, time
 
 
 def step_size(values: Array, starts: Indices) -> float:
-    """Least change of a covariate that counts as a step, in its unit: far more than the jitter from row to row."""
+    """Return the least change of a covariate that counts as a step, in its unit: far more than its jitter."""
     changes = np.abs(np.delete(np.diff(values), starts[1:] - 1))
     jitter = OF_NORMAL * float(np.median(changes)) / np.sqrt(2.0) if len(changes) else 0.0
     return max(BEYOND * jitter, SMALLEST_STEP * float(np.ptp(values)))
 
 
 def step_rows(values: Array, starts: Indices, size: float) -> Indices:
-    """Rows (s,) at which holds begin: the first of each trajectory, and each that starts a step.
+    """Return rows (s,) at which holds begin: the first of each trajectory, and each that starts a step.
 
     A row starts a step where it differs by more than ``size`` from the mean since the last step.
 
@@ -116,7 +116,7 @@ def step_rows(values: Array, starts: Indices, size: float) -> Indices:
 
 
 def is_held(values: Array, starts: Indices, begins: Indices, size: float) -> bool:
-    """Whether a covariate rests at levels between its steps, and at least half of the trajectories have a step.
+    """Return whether a covariate rests at levels between its steps, and at least half of the trajectories have a step.
 
     Parameters
     ----------
@@ -141,7 +141,7 @@ def is_held(values: Array, starts: Indices, begins: Indices, size: float) -> boo
 
 
 def _definition(name: str, unit: str, size: float) -> str:
-    """How the time since the last step of a covariate is computed, in words for the report."""
+    """Return how the time since the last step of a covariate is computed, in words for the report."""
     in_unit = "" if unit in ("", "1", "?") else f" {unit}"
     return (
         f"counted from the last step of {name}; a row is a step where {name} lies more than {size:.3g}{in_unit} from "

@@ -25,7 +25,7 @@ OTHER_SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars"}
 
 
 def read_table(path: Path) -> pd.DataFrame:
-    """The rows of a CSV, TSV or Parquet file, with dates as seconds since the first one and durations in seconds.
+    """Return the rows of a CSV, TSV or Parquet file; dates are seconds since the first one, durations seconds.
 
     Raises
     ------
@@ -72,7 +72,7 @@ def read_table(path: Path) -> pd.DataFrame:
 
 
 def _text(path: Path, separator: str) -> pd.DataFrame:
-    """The rows of a text file; refuse another separator than its name implies, and rows longer than the header."""
+    """Return the rows of a text file; refuse an unexpected separator, and rows longer than the header."""
     with path.open(encoding="utf-8-sig", newline="") as file:
         names = next(csv.reader(file, delimiter=separator), [])
     _without_zeros(path)
@@ -115,7 +115,7 @@ def _without_zeros(path: Path) -> None:
 
 
 def _parquet(path: Path) -> pd.DataFrame:
-    """The rows of a Parquet file; named levels of its index become columns, since the group may be one of them."""
+    """Return the rows of a Parquet file; named levels of its index become columns, as the group may be one of them."""
     from pyarrow import parquet
 
     _once(parquet.read_schema(path).names, path)
@@ -133,7 +133,7 @@ def _once(names: list[str], path: Path) -> None:
 
 
 def _as_numbers(column: pd.Series) -> pd.Series:
-    """A column of dates, durations (both in seconds) or numeric objects as floats; any other column unchanged."""
+    """Return a column of dates, durations (both in seconds) or numeric objects as floats; others unchanged."""
     if pd.api.types.is_datetime64_any_dtype(column):
         column = column - column.min()
     if pd.api.types.is_timedelta64_dtype(column):

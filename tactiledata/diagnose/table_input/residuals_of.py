@@ -56,7 +56,7 @@ class Table:
 
 
 def residuals_of(frame: pd.DataFrame, document: dict[str, Any] | None = None, group: str | None = None) -> Table:
-    """Whitened residuals of a table of observations and predictions; docs/diagnose-table.md lists the columns' names.
+    """Return whitened residuals of a table of observations and predictions; docs/diagnose-table.md has the names.
 
     Each quantity has two parameters, an offset and a scale, so that a prediction that is wrong by a constant or a
     factor is recognised as a matter of calibration.
@@ -123,7 +123,7 @@ def residuals_of(frame: pd.DataFrame, document: dict[str, Any] | None = None, gr
 
 
 def _whole_rows(frame: pd.DataFrame, columns: Columns, notes: list[str]) -> pd.DataFrame:
-    """The rows in which group, quantities and covariates are finite numbers; a sparse covariate is left out instead."""
+    """Return the rows whose group, quantities and covariates are finite numbers; a sparse covariate is left out."""
     needed = [column for pair in columns.quantities for column in (pair.observed, pair.predicted)]
     needed += [pair.noise for pair in columns.quantities if isinstance(pair.noise, str)]
     optional = [column for column, _ in columns.covariates.values()]
@@ -155,7 +155,7 @@ def _whole_rows(frame: pd.DataFrame, columns: Columns, notes: list[str]) -> pd.D
 
 
 def _without_strays(rows: pd.DataFrame, columns: Columns, notes: list[str]) -> pd.DataFrame:
-    """The rows without outliers, which would dominate every statistic; all rows where outliers are not rare."""
+    """Return the rows without outliers, which would dominate every statistic; all rows where outliers are not rare."""
     is_stray = pd.Series(False, index=rows.index)
     for pair in columns.quantities:
         difference = rows[pair.observed] - rows[pair.predicted]
@@ -172,7 +172,7 @@ def _without_strays(rows: pd.DataFrame, columns: Columns, notes: list[str]) -> p
 
 
 def _thinned(rows: pd.DataFrame, groups: NDArray[np.int64], notes: list[str]) -> tuple[pd.DataFrame, NDArray[np.int64]]:
-    """Evenly spaced rows of each group, its first one included, where the table has more than `MOST_ROWS` rows."""
+    """Return evenly spaced rows of each group, its first one included, where there are more than `MOST_ROWS` rows."""
     stride = -(-len(rows) // MOST_ROWS)
     if stride == 1:
         return rows, groups
@@ -184,7 +184,7 @@ def _thinned(rows: pd.DataFrame, groups: NDArray[np.int64], notes: list[str]) ->
 
 
 def _group_numbers(column: pd.Series) -> NDArray[np.int64]:
-    """Number (n,) of each row's group, in the order in which groups appear; refuse cells that are lists."""
+    """Return the number (n,) of each row's group, in the order in which groups appear; refuse cells that are lists."""
     try:
         return pd.factorize(column)[0].astype(np.int64)
     except TypeError as error:
@@ -209,7 +209,7 @@ def _enough_groups(column: pd.Series, name: str) -> None:
 
 
 def _covariates(rows: pd.DataFrame, columns: Columns, notes: list[str]) -> dict[str, Covariate]:
-    """The covariates that are complete and vary; a note names those that never change."""
+    """Return the covariates that are complete and vary; a note names those that never change."""
     covariates, constant = {}, []
     for name, (column, unit) in columns.covariates.items():
         values = rows[column].to_numpy(dtype=np.float64)
@@ -225,7 +225,7 @@ def _covariates(rows: pd.DataFrame, columns: Columns, notes: list[str]) -> dict[
 
 
 def _labels(rows: pd.DataFrame, columns: Columns, notes: list[str]) -> dict[str, NDArray[np.str_]]:
-    """The labels with at most `MOST_LEVELS` different texts; empty cells are "unknown"."""
+    """Return the labels with at most `MOST_LEVELS` different texts; empty cells are "unknown"."""
     labels = {}
     for name in columns.labels:
         known = rows[name].astype(object).where(rows[name].notna(), "unknown")
@@ -238,12 +238,12 @@ def _labels(rows: pd.DataFrame, columns: Columns, notes: list[str]) -> dict[str,
 
 
 def _printable(text: str) -> str:
-    """The text with a replacement character for each character that cannot be printed, such as an escape sequence."""
+    """Return the text with a replacement character for each one that cannot be printed, as in escape sequences."""
     return "".join(character if character.isprintable() else "\N{REPLACEMENT CHARACTER}" for character in text)
 
 
 def _quantities(rows: pd.DataFrame, columns: Columns) -> tuple[Array, Array, Array]:
-    """Observed, predicted and noise (n, k) in the quantities' units; the noise is 1 where it is not known.
+    """Return observed, predicted and noise (n, k) in the quantities' units; the noise is 1 where it is not known.
 
     A constant observation and a noise that is not positive are refused.
     """
@@ -268,7 +268,7 @@ def _quantities(rows: pd.DataFrame, columns: Columns) -> tuple[Array, Array, Arr
 
 
 def _own_scatter(observed: Array, predicted: Array, columns: Columns) -> Array:
-    """Root mean square (k,) of each quantity's residual after an offset and a scale are fitted; refuse exact copies."""
+    """Return the root mean square (k,) of each quantity's residual from an offset and a scale; refuse exact copies."""
     scatter = np.empty(observed.shape[1])
     for place, pair in enumerate(columns.quantities):
         line = np.column_stack([np.ones(len(predicted)), predicted[:, place]])
@@ -285,7 +285,7 @@ def _own_scatter(observed: Array, predicted: Array, columns: Columns) -> Array:
 def _offset_and_scale(
     columns: Columns, observed: Array, predicted: Array, scatter: Array, noise: Array, notes: list[str]
 ) -> tuple[tuple[ResidualParameter, ...], Array]:
-    """Offset and scale of each quantity as parameters, with whitened sensitivities (n, k, p).
+    """Return offset and scale of each quantity as parameters, with whitened sensitivities (n, k, p).
 
     Parameters
     ----------
@@ -322,7 +322,7 @@ def _offset_and_scale(
 
 
 def _tells_scale(observed: Array, predicted: Array, scatter: float) -> bool:
-    """Whether the data separate a scale from an offset: the prediction varies enough, or explains the observation.
+    """Return whether the data separate a scale from an offset: the prediction varies or explains enough.
 
     Parameters
     ----------

@@ -95,7 +95,7 @@ def phases(case: TouchCase) -> Names:
 
 
 def _slowest(touch_set: TouchSet) -> float:
-    """Speed in mm/s below which 5 % of the moving frames of shear lie; 0 where nothing shears."""
+    """Return the speed in mm/s below which 5 % of the moving frames of shear lie; 0 where nothing shears."""
     shears = [case.touch.lateral_speed[np.isin(phases(case), ("shear", "reverse"))] for case in touch_set.touches]
     speeds = 1e3 * np.concatenate(shears)
     speeds = speeds[speeds > 0]
@@ -103,7 +103,7 @@ def _slowest(touch_set: TouchSet) -> float:
 
 
 def _of_motion(case: TouchCase) -> dict[str, tuple[Array, str]]:
-    """Covariates of time and path: name -> values (n,) and unit."""
+    """Return covariates of time and path: name -> values (n,) and unit."""
     touch = case.touch
     in_contact = np.where(case.free_air, 0.0, 1.0)
     return {
@@ -118,7 +118,7 @@ def _of_motion(case: TouchCase) -> dict[str, tuple[Array, str]]:
 
 
 def _of_contact(case: TouchCase, answer: ContactResponse) -> dict[str, tuple[Array, str]]:
-    """Covariates of the simulated contact: name -> values (n,) and unit."""
+    """Return covariates of the simulated contact: name -> values (n,) and unit."""
     force, steps, depth = _filled(answer.wrench[:, 2]), case.touch.time_steps, np.maximum(answer.depth, 0.0)
     rate = np.divide(np.diff(force, prepend=force[:1]), steps, out=np.zeros_like(force), where=steps > 0)
     return {
@@ -131,7 +131,7 @@ def _of_contact(case: TouchCase, answer: ContactResponse) -> dict[str, tuple[Arr
 
 
 def _share_of_largest(depth: Array, earlier: Array | None) -> Array:
-    """Depth (n,) over the largest depth to which the gel was pressed here so far; 1 before the first contact."""
+    """Return the depth (n,) over the largest depth of the gel here so far; 1 before the first contact."""
     depth = _filled(depth)
     largest = np.maximum.accumulate(depth)
     if earlier is not None:
@@ -140,7 +140,7 @@ def _share_of_largest(depth: Array, earlier: Array | None) -> Array:
 
 
 def _of_rig(case: TouchCase) -> dict[str, tuple[Array, str]]:
-    """Covariates of sensor, arm and earlier touches, as far as they are known: name -> values (n,) and unit."""
+    """Return covariates of sensor, arm and earlier touches, as far as they are known: name -> values (n,) and unit."""
     touch, columns = case.touch, {}
     if touch.powered is not None:
         columns["time since power-on"] = (touch.powered / 60.0, "min")
@@ -163,12 +163,12 @@ def _of_rig(case: TouchCase) -> dict[str, tuple[Array, str]]:
 
 
 def _constant(case: TouchCase, value: float) -> tuple[Array, str]:
-    """One value for all frames (n,), without a unit."""
+    """Return one value for all frames (n,), without a unit."""
     return np.full(len(case.touch), value), "1"
 
 
 def _filled(values: Array) -> Array:
-    """Values (n, ...) with rows not finite replaced by the last known row, or the first known one at the beginning."""
+    """Return values (n, ...) with rows not finite replaced by the last known row, at the beginning by the first."""
     known = np.isfinite(values.reshape(len(values), -1)).all(axis=1)
     if known.all() or not known.any():
         return np.nan_to_num(values)

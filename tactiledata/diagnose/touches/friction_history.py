@@ -79,7 +79,7 @@ def remembered_shear(frictions: Array, columns: CubicsOverFriction, own: Array, 
 
 
 def _shear_remembered(own: Array, changed: Array, most: Array, forgets: Array, reach: Array, in_contact: Mask) -> Array:
-    """Memory (n, 2): shear beyond the frames' own.
+    """Return the memory (n, 2): shear beyond the frames' own.
 
     Parameters
     ----------
@@ -120,7 +120,7 @@ def _shear_remembered(own: Array, changed: Array, most: Array, forgets: Array, r
 
 
 def _share(columns: Array, frictions: Array) -> Array:
-    """Shear over the friction limit (n,); 0 without a normal force."""
+    """Return the shear over the friction limit (n,); 0 without a normal force."""
     limits = frictions * np.maximum(columns[:, 2], 0.0)
     share: Array = np.divide(
         np.hypot(columns[:, 0], columns[:, 1]), limits, out=np.zeros_like(limits), where=limits > 0
@@ -172,7 +172,7 @@ class Sliders(NamedTuple):
 
 @njit(cache=True)
 def _pull_of_sliders(path: Array, stiffness: Array, limit: Array, factor: float, spread: float) -> Array:
-    """Pull (n, 2) of springs with sliders along a path; see `Sliders.pull`."""
+    """Return the pull (n, 2) of springs with sliders along a path; see `Sliders.pull`."""
     count = PARTS if spread else 1
     held = np.zeros((count, 2))
     pull = np.zeros((len(limit), 2))

@@ -117,11 +117,11 @@ class TouchPlays:
         return CubicsOverFriction(np.asarray(self.plan.frictions), over)
 
     def _shifted(self, shift: Array) -> Array:
-        """Change (n, 7) of the columns by a shift (n, 2) in metres."""
+        """Return the change (n, 7) of the columns by a shift (n, 2) in metres."""
         return shift[:, :1] * self.by_shift[0] + shift[:, 1:] * self.by_shift[1]
 
     def _of_one_ratio(self, ratio: float) -> Bend:
-        """Coefficients (4, n_mu - 1, n, 7) of cubics over the friction at one nu: of level, slope and curvature."""
+        """Return coefficients (4, n_mu - 1, n, 7) of cubics over friction at one nu: level, slope and curvature."""
         weights = polynomial_weights(np.asarray(self.plan.ratios), ratio)
         level = np.tensordot(self._cubics[..., :-2, :], weights, axes=([3], [0]))
         bends = [self._cubics[..., place, :].copy() for place in (-2, -1)]
@@ -132,7 +132,7 @@ class TouchPlays:
         return level, bends[0], bends[1]
 
     def _of_one_pair(self, ratio: float, friction: float) -> Bend:
-        """Level, slope and curvature (n, 7) over the offset at one nu and mu."""
+        """Return the level, slope and curvature (n, 7) over the offset at one nu and mu."""
         nodes, frictions = np.asarray(self.plan.frictions), np.full(len(self.height), friction)
         level, slope, curvature = (CubicsOverFriction(nodes, part).at(frictions) for part in self._of_ratio(ratio))
         return level, slope, curvature
@@ -186,7 +186,7 @@ class TouchPlays:
 
 
 def _bent(bend: Bend, z: Array) -> Array:
-    """Value at offsets z of a parabola with a level, a slope and a curvature."""
+    """Return the value at offsets z of a parabola with a level, a slope and a curvature."""
     level, slope, curvature = bend
     bent: Array = level + z * (slope + z * curvature)
     return bent

@@ -160,7 +160,7 @@ class _Change(NamedTuple):
 
 
 def _completed(play: Play, middle: Play, change: _Change, pooled: _Change, heights: Array) -> Play:
-    """One play with its missing frames estimated; see `complete`."""
+    """Return one play with its missing frames estimated; see `complete`."""
     missing = solved(middle) & ~solved(play)
     if not missing.any():
         return play

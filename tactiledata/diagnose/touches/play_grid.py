@@ -92,7 +92,7 @@ def variant_paths(batch: VariantBatch) -> list[Path]:
 
 
 def _touches(batch: VariantBatch) -> tuple[GelTouch, ...]:
-    """Touches of a batch with the indenters scaled as its variant says."""
+    """Return touches of a batch with the indenters scaled as its variant says."""
     scale = batch.variant.indenter_scale
     if scale == 1.0:
         return batch.touches
@@ -227,12 +227,12 @@ def play_touches(
 
 
 def _words(done: int, moved: int) -> str:
-    """What was played last, in words: the first ``moved`` batches are moved paths, the others variants."""
+    """Return what was played last, in words: the first ``moved`` batches are moved paths, the others variants."""
     return "moved along the gel" if done <= moved else "gels and indenters that differ"
 
 
 def _moved(touch: GelTouch, axis: int, by: float) -> GelTouch:
-    """A touch whose whole path is moved by metres along an axis of the gel frame: 0 is x, 1 is y."""
+    """Return a touch whose whole path is moved by metres along an axis of the gel frame: 0 is x, 1 is y."""
     poses = touch.poses.copy()
     poses[:, axis, 3] += by
     return GelTouch(touch.indenter, poses)
@@ -267,7 +267,7 @@ def _touch_plays(
     touch: MeasuredTouch,
     estimated: Mask,
 ) -> TouchPlays:
-    """Plays of one touch, as levels and finite differences.
+    """Return the plays of one touch, as levels and finite differences.
 
     Parameters
     ----------

@@ -78,7 +78,10 @@ class PlayedResponse:
         return ContactResponse(unit * modulus, area, centre, depth, sliding, spring * modulus)
 
     def _sheared(self, unit: Array, shift: Array, spring: Array, limit: Array, centre: Array) -> Array:
-        """Change (n, 6) of the wrench over Young's modulus by a shift that differs from frame to frame.
+        """Return the change (n, 6) of the wrench over Young's modulus by a shift that differs from frame to frame.
+
+        It is 0 where the shift is the same in all frames: the plays have that shift already. With the change, the shear
+        exceeds neither the friction limit nor, where it was above that before, its earlier size.
 
         Parameters
         ----------
@@ -105,7 +108,7 @@ class PlayedResponse:
         return self._force_at(shear - unit[:, :2], centre)
 
     def _force_at(self, shear: Array, centre: Array) -> Array:
-        """Wrenches (n, 6) of tangential forces (n, 2) at points (n, 2) in metres, at the height of the tip."""
+        """Return wrenches (n, 6) of tangential forces (n, 2) at points (n, 2) in metres, at the height of the tip."""
         return wrench_at_height(shear, centre, self.touch.tips[:, 2])
 
     def difference(self, variant: GelVariant) -> Array:
@@ -159,5 +162,5 @@ class PlayedFamily:
 
 
 def _key(touch: Touch) -> tuple[str, bytes]:
-    """Indenter and poses of a touch, as a key of a dictionary."""
+    """Return the indenter and poses of a touch, as a key of a dictionary."""
     return touch.indenter_name, np.ascontiguousarray(touch.poses).tobytes()

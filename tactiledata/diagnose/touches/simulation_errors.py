@@ -132,16 +132,16 @@ class _Contact:
     since_turn: Array
 
     def sheared(self, shear: Array) -> Array:
-        """Wrench (N, 6) of a tangential force (N, 2) at the tip."""
+        """Return the wrench (N, 6) of a tangential force (N, 2) at the tip."""
         return wrench_at_height(shear, self.tips[:, :2], self.tips[:, 2])
 
     def moved(self, motion: Array) -> Array:
-        """Change (N, 6) of the wrench where its centre of pressure moves by (N, 2) metres."""
+        """Return the change (N, 6) of the wrench where its centre of pressure moves by (N, 2) metres."""
         return moved_wrench(self.wrench[:, :3], motion)
 
 
 def _directions(contact: _Contact, rows: Mask, growth: Array, unloaded: Array) -> list[Array]:
-    """Changes (N, 6) of the wrench by errors of size 1 of one indenter, or of all of them, in the order of ``KINDS``.
+    """Return changes (N, 6) of the wrench by errors of size 1, of one indenter or of all, in the order of ``KINDS``.
 
     Parameters
     ----------

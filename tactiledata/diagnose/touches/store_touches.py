@@ -196,7 +196,7 @@ def too_few(count: int, left_out: dict[str, int]) -> TactileDataError:
 
 
 def _not_played(plays: TouchPlays, options: CalibrationOptions) -> dict[str, str]:
-    """Effects that need variants which were not played, with the reason."""
+    """Return the effects that need variants which were not played, with the reason."""
     why = (
         "the gel solver failed with this effect in more than 10 % of the frames"
         if options.fidelity == "finite-strain"

@@ -258,7 +258,7 @@ class TouchSet:
     def _read(
         self, number: int, simulator: Simulator, material: GelMaterial, offsets: Array | None, near: Played | None
     ) -> Array:
-        """What the sensor would read (n, 6) in one trajectory; gel solutions for the same request are used again."""
+        """Return what the sensor would read (n, 6) in one trajectory; gel solutions of the same request serve again."""
         if offsets is not None and offsets[number] != 0.0:
             simulator = simulator.with_effects([EffectSetting("mount_offset", {"deeper": float(offsets[number])})])
         request = material, in_contact(simulator.active(self.touches[number].touch))
@@ -277,7 +277,7 @@ class TouchSet:
         return simulator.read(last.state).wrench
 
     def _touch(self, number: int, material: GelMaterial) -> Touch:
-        """One trajectory on a gel; the last object, with its cached properties, where the gel is that of the last."""
+        """Return one trajectory on a gel; the last object, with its cached properties, where the gel is the same."""
         if number in self._contacts and self._contacts[number].request[0] == material:
             return self._contacts[number].state.touch
         return replace(self.touches[number].touch, material=material)

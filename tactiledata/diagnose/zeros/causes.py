@@ -87,7 +87,7 @@ class _Model:
 
 
 def zero_causes(zeros: ForceZeros, seed: int = 0) -> list[ZeroCause]:
-    """The causes that the zeros follow, the strongest first; empty where none is certain or there is too little data.
+    """Return the causes that the zeros follow, the strongest first; empty where none is certain or data are few.
 
     The zero changes at each moment at which the sensor was tared; the mean of each stretch between two such moments is
     subtracted. Causes are added one after another. Each must predict trajectories that it was not fitted to, and must
@@ -132,7 +132,7 @@ def zero_causes(zeros: ForceZeros, seed: int = 0) -> list[ZeroCause]:
 
 
 def no_zeros(zeros: ForceZeros) -> str:
-    """A sentence that says why the zeros cannot be analysed; empty where they can."""
+    """Return a sentence that says why the zeros cannot be analysed; empty where they can."""
     if zeros.trajectories >= FEWEST:
         return ""
     return (
@@ -143,7 +143,7 @@ def no_zeros(zeros: ForceZeros) -> str:
 
 
 def _models(zeros: ForceZeros, scale: Array) -> list[_Model]:
-    """The models that these data allow; one whose columns never change is left out. ``scale`` (6,) as `_scatter`."""
+    """Return the models that these data allow, without those whose columns never change."""
     listed = [_weight(zeros, scale)]
     listed += [_drift(zeros, scale, time) for time in TIMES]
     if zeros.joints is not None and zeros.trajectories >= 2 * FEWEST:
@@ -152,7 +152,7 @@ def _models(zeros: ForceZeros, scale: Array) -> list[_Model]:
 
 
 def _weight(zeros: ForceZeros, scale: Array) -> _Model:
-    """Weight of the tool: linear in its mass (kg) and in its first moment about the sensor's origin (kg m)."""
+    """Return the model of the tool's weight: linear in mass, kg, and first moment about the sensor's origin, kg m."""
     force = GRAVITY * zeros.down
     columns = np.zeros((len(zeros), 6, 4))
     columns[:, :3, 0] = force
@@ -170,12 +170,12 @@ def _weight(zeros: ForceZeros, scale: Array) -> _Model:
 
 
 def _moment(values: dict[str, float]) -> str:
-    """The first moment in g mm as text, such as ``"(+120, -30, +4)"``."""
+    """Return the first moment in g mm as text, such as ``"(+120, -30, +4)"``."""
     return f"({', '.join(f'{1e6 * values[name]:+.0f}' for name in ('moment_x', 'moment_y', 'moment_z'))})"
 
 
 def _drift(zeros: ForceZeros, scale: Array, time: float) -> _Model:
-    """Exponential drift of each component since power-on, with one time constant in s."""
+    """Return the model of an exponential drift of each component since power-on, with one time constant in s."""
     warm = -np.expm1(-zeros.seconds / time)
     names = ("fx", "fy", "fz", "tx", "ty", "tz")
 
@@ -197,7 +197,9 @@ def _drift(zeros: ForceZeros, scale: Array, time: float) -> _Model:
 
 
 def _cable(zeros: ForceZeros, scale: Array) -> _Model:
-    """Drag of the cable: each component as sine and cosine of the last joint's angle, and linear in the one before."""
+    """Return the model of the cable's drag: each component as sine and cosine of the last joint's angle, and linear in
+    the one before.
+    """
     assert zeros.joints is not None
     last, wrist = zeros.joints[:, 5], zeros.joints[:, 4]
     shapes = np.stack([np.sin(last), np.cos(last), wrist - wrist.mean()], axis=1)
@@ -221,12 +223,12 @@ def _cable(zeros: ForceZeros, scale: Array) -> _Model:
 
 
 def _shaped(zeros: ForceZeros, columns: Array, scale: Array) -> Array:
-    """Design matrix (6 n, k) from columns (n, 6, k): centred in each stretch between tares, over the scatter (6,)."""
+    """Return the design matrix (6 n, k) of columns (n, 6, k), centred between tares, over the scatter (6,)."""
     return (_centred(zeros, columns) / scale[:, None]).reshape(6 * len(zeros), -1)
 
 
 def _centred(zeros: ForceZeros, rows: Array) -> Array:
-    """Rows (n, …) minus their mean over each stretch between two moments of taring."""
+    """Return rows (n, …) minus their mean over each stretch between two moments of taring."""
     centred = rows.copy()
     for stretch in np.unique(zeros.zeroed):
         members = zeros.zeroed == stretch
@@ -235,21 +237,21 @@ def _centred(zeros: ForceZeros, rows: Array) -> Array:
 
 
 def _scatter(zeros: ForceZeros) -> Array:
-    """Scatter (6,) of the centred loads in N and N m: one value for the three forces, one for the three torques."""
+    """Return the scatter (6,) of centred loads, N and N m: one value for the forces, one for the torques."""
     deviations = _centred(zeros, zeros.load).std(axis=0).reshape(2, 3)
     sizes: Array = np.repeat(np.maximum(deviations.mean(axis=1), 1e-9), 3)
     return sizes
 
 
 def _noise(zeros: ForceZeros, scale: Array) -> float:
-    """Sum of scaled squares that noise alone would leave, from differences of successive pieces of a trajectory."""
+    """Return the sum of scaled squares that noise alone would leave, from successive pieces of trajectories."""
     together = np.diff(zeros.trajectory) == 0
     steps = np.diff(zeros.load, axis=0)[together] / scale
     return float((steps**2).sum(axis=1).mean() / 2.0 * len(zeros)) if together.any() else 0.0
 
 
 def _unseen(zeros: ForceZeros, design: Array, target: Array) -> float:
-    """Sum of squared prediction errors over trajectories, each predicted by a fit to all others."""
+    """Return the sum of squared prediction errors over trajectories, each predicted by a fit to all others."""
     owner = np.repeat(zeros.trajectory, 6)
     total = 0.0
     for number in np.unique(zeros.trajectory):
@@ -264,7 +266,7 @@ def _unseen(zeros: ForceZeros, design: Array, target: Array) -> float:
 
 
 def _exchanged(zeros: ForceZeros, taken: Array, field: Array, target: Array, seed: int) -> float:
-    """p-value of a further model: share of permutations of trajectories that fit as well (Freedman and Lane 1983).
+    """Return the p-value of a further model: the share of permutations that fit as well (Freedman and Lane 1983).
 
     Parameters
     ----------
@@ -296,11 +298,11 @@ def _exchanged(zeros: ForceZeros, taken: Array, field: Array, target: Array, see
 
 
 def _places(zeros: ForceZeros) -> Sequence[int]:
-    """Index of each piece's trajectory, counted from 0."""
+    """Return the index of each piece's trajectory, counted from 0."""
     return np.unique(zeros.trajectory, return_inverse=True)[1].tolist()
 
 
 def _by_trajectory(zeros: ForceZeros, rows: Array) -> Array:
-    """Means (t, 6) of rows (6 n,) over the pieces of each trajectory."""
+    """Return means (t, 6) of rows (6 n,) over the pieces of each trajectory."""
     shaped = rows.reshape(-1, 6)
     return np.array([shaped[zeros.trajectory == number].mean(axis=0) for number in np.unique(zeros.trajectory)])

@@ -63,7 +63,7 @@ class ForceZeros:
 
 
 def read_zeros(opened: OpenedStore) -> ForceZeros:
-    """Zeros of all trajectories of a store that begin in free air and have poses; empty where there are none."""
+    """Return the zeros of all trajectories of a store that begin in free air and have poses; empty without any."""
     reader = _Reader(opened)
     pieces = [piece for number, row in enumerate(opened.trajectories) for piece in reader.pieces(number, row)]
     joints = [piece["joints"] for piece in pieces]
@@ -84,7 +84,7 @@ class _Reader:
         self._store, self._descriptions = opened.store, opened.descriptions
 
     def pieces(self, number: int, row: Mapping[str, Any]) -> list[dict[str, Any]]:
-        """The pieces of one trajectory, from its row of the table; keys as the fields of `ForceZeros`."""
+        """Return the pieces of one trajectory, from its row of the table; keys as the fields of `ForceZeros`."""
         spans = row["spans"]
         description = self._descriptions[row["source"]]
         tcp_from_ft = description.transform("tcp_from_ft")
@@ -123,7 +123,7 @@ class _Reader:
         return [piece for piece in listed if np.isfinite(piece["load"]).all() and np.isfinite(piece["down"]).all()]
 
     def _signal(self, stream: str, spans: Mapping[str, Any]) -> StoredSignal | None:
-        """The finite rows of a stream, such as ``"wrench"``, in one trajectory; ``None`` where there are none.
+        """Return the finite rows of a stream, such as ``"wrench"``, in one trajectory; ``None`` where there are none.
 
         ``spans`` holds the first and last row of each signal of the trajectory.
         """
@@ -140,26 +140,28 @@ class _Reader:
         )
 
     def _start(self, source: int) -> int:
-        """Time in ns at which the first trajectory of a source begins."""
+        """Return the time in ns at which the first trajectory of a source begins."""
         table = self._store.trajectories(["source", "start_ns"])
         starts = np.asarray(table["start_ns"])[np.asarray(table["source"]) == source]
         return int(starts.min())
 
 
 def pieces_of(count: int) -> list[Indices]:
-    """Row indices of each piece of ``count`` readings; empty where there are fewer than `FEWEST_READINGS`."""
+    """Return row indices of each piece of ``count`` readings; empty with fewer than `FEWEST_READINGS`."""
     pieces = min(PIECES, count // FEWEST_READINGS)
     return np.array_split(np.arange(count), pieces) if pieces else []
 
 
 def free_air_readings(load: Array, t_ns: Indices) -> tuple[Array, Indices]:
-    """Readings (n, 6) of a trajectory before its first touch, without repeated readings, and their times (n,) in ns."""
+    """Return the readings (n, 6) of a trajectory before its first touch, without repeated readings, and their times
+    (n,) in ns.
+    """
     air = free_air_between(load, t_ns, [], np.zeros((0, 6)))
     return (air[0][1], air[0][2]) if air else (load[:0], t_ns[:0])
 
 
 def free_air_between(load: Array, t_ns: Indices, tare_ns: list[int], zeros: Array) -> list[tuple[int, Array, Indices]]:
-    """Readings of a trajectory before its first touch, in the stretches between tare events.
+    """Return the readings of a trajectory before its first touch, in the stretches between tare events.
 
     A jump of the zero at a tare is not taken for a touch.
 
@@ -203,6 +205,6 @@ def free_air_between(load: Array, t_ns: Indices, tare_ns: list[int], zeros: Arra
 
 
 def _nearest(signal: StoredSignal, moment: int) -> Array:
-    """The row of a signal whose time is nearest to a moment in ns."""
+    """Return the row of a signal whose time is nearest to a moment in ns."""
     place = int(np.argmin(np.abs(signal.t_ns - moment)))
     return np.asarray(signal.values[place])

@@ -3,8 +3,9 @@
 Read in this order:
 
 - ``setting``: an effect with its values, as a simulator takes it and as a file keeps it.
-- ``simulator``: plays a touch with settings on top of any base simulation.
-- ``balance``: the force balance between the gel and what bends under its force.
+- ``simulator``: plays a touch with settings on top of any base simulation, and decides when the gel and what bends
+  under its force are in balance.
+- ``balance``: the next estimate of the force in balance.
 - ``reference_touch``: a usual touch of the rig, and how much each effect changes it.
 - ``catalogue``: all effects as plain values, for commands and pages.
 

@@ -60,9 +60,11 @@ class EmbeddedEngine:
     def play(
         self, touches: Sequence[GelTouch], material: GelMaterial, keep: Keep = "all", width: int = WIDTH
     ) -> Iterator[tuple[int, GelHistory]]:
-        """Solve trajectories as ``FemEngine.play``, and yield their answers on the high mesh.
+        """Solve trajectories on the low-resolution mesh, and yield their answers on the high-resolution mesh.
 
-        Displacements (n, v, 3) and node forces (n, s, 3) are those of the high mesh's nodes, and ``pressed`` is (n, s).
+        Each trajectory is yielded when it is done, as a pair of its index and its answer. Displacements
+        (n, v, 3) and node forces (n, s, 3) are interpolated to the nodes of the high-resolution mesh; ``pressed`` is
+        (n, s). Wrenches are those of the low-resolution solution.
 
         Parameters
         ----------

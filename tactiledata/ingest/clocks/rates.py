@@ -61,7 +61,19 @@ def measure_rate(t_ns: Times, values: Values) -> Rate:
 
 
 def rate_findings(stream: str, columns: tuple[str, ...], rate: Rate) -> list[Finding]:
-    """What is to be said about a signal's rate; only forces always carry noise, an arm at rest does repeat itself."""
+    """Return a finding on repeated samples of a force signal; none for other signals and where few samples repeat.
+
+    Only forces always carry noise, whereas an arm at rest does repeat itself.
+
+    Parameters
+    ----------
+    stream : str
+        Name of the signal, for the finding.
+    columns : tuple of str
+        Names of its columns; a signal of forces has ``fx``.
+    rate : Rate
+        How often its samples come, and how many of them repeat the one before.
+    """
     if "fx" not in columns or rate.repeated < REPEATS_WORTH_SAYING * rate.steps or not rate.repeated:
         return []
     if rate.repeated == rate.steps:
@@ -84,9 +96,21 @@ def rate_findings(stream: str, columns: tuple[str, ...], rate: Rate) -> list[Fin
 
 
 def gap_findings(stream: str, t_ns: Times, spans: list[tuple[int, int]], factor: float = 10.0) -> list[Finding]:
-    """Gaps inside the given spans (trajectories) that are ``factor`` times the usual distance of samples.
+    """Return a finding on the gaps of a stream inside trajectories; none where there are no gaps.
 
-    Of a gap that reaches beyond a trajectory, only what lies inside counts: pauses between trajectories are no gaps.
+    A gap is longer than ``factor`` times the usual distance of samples, and than 1 ms. Of one that reaches beyond a
+    trajectory, only what lies inside counts: pauses between trajectories are no gaps.
+
+    Parameters
+    ----------
+    stream : str
+        Name of the stream, for the finding.
+    t_ns : (n,) int64 ns
+        Host times of its samples, ascending.
+    spans : list of (int, int) ns
+        Start and end of each trajectory.
+    factor : float
+        Shortest gap in units of the median distance of samples.
     """
     if len(t_ns) < 3:
         return []

@@ -137,7 +137,17 @@ def _rotation_findings(signal: Signal, values: Values) -> list[Finding]:
 
 
 def image_times(recording: Recording, camera: str, stamps: Stamps) -> tuple[Times, dict[str, object], list[Finding]]:
-    """Host times of one camera's images in the order of the recording, the clock used, and findings."""
+    """Return host times (n,), ns, of one camera's images, the clock and shift that were used, and findings.
+
+    Parameters
+    ----------
+    recording : Recording
+        Its description may state how far the clock of frames is off.
+    camera : str
+        Name of the camera.
+    stamps : Stamps
+        Time stamps of its n images, in the order of the recording.
+    """
     offset = recording.description.stated_clock_offset("frames")
     choice = choose_clock(camera, stamps, recording.host_clock, offset)
     _, said = time_order(camera, choice.t_ns)

@@ -129,7 +129,19 @@ def draw(touches: Sequence[TouchPicture]) -> tuple[Figure, str]:
 
 
 def page(store: Store, picture: Picture | None, split: str, further: Sequence[Section] = ()) -> str:
-    """The report as HTML."""
+    """Return the report on a store, "What was recorded", as HTML that stands alone.
+
+    Parameters
+    ----------
+    store : Store
+        The store that is described.
+    picture : Picture, optional
+        Recorded touches as drawn; ``None`` where nothing was drawn.
+    split : str
+        Name of the split that is described.
+    further : sequence of Section
+        Sections of other parts of the toolkit, placed before the last one, on how to use the store.
+    """
     facts = overview(store)
     sentences = [
         f"The store {Path(str(store.location)).name} holds {counted(facts['sources'], 'recording')} with "

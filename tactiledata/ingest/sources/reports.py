@@ -106,7 +106,19 @@ class IngestReport:
 
 
 def report_of(key: str, state: str, staged: StagedTake, *findings: Finding) -> SourceReport:
-    """The report of a source that was read and staged."""
+    """Return the report of a source that was read and staged.
+
+    Parameters
+    ----------
+    key : str
+        Name of the source.
+    state : "added", "replaced" or "present"
+        What became of it.
+    staged : StagedTake
+        The source as it waits for its commit.
+    *findings : Finding
+        Further findings, after those of the take.
+    """
     return SourceReport(
         key,
         state,

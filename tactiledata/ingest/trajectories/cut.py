@@ -63,10 +63,21 @@ def _same_sensor(one: Trajectory, other: Trajectory) -> bool:
 def assign_frames(
     trajectories: tuple[Trajectory, ...], t_ns: Times, sensors: list[str], named: list[str]
 ) -> NDArray[np.int32]:
-    """Row of each frame's trajectory (n_frames,), -1 outside any.
+    """Return the row of each frame's trajectory (n,), -1 outside any.
 
     A frame that names its trajectory belongs there. Any other belongs to the first trajectory whose half-open interval
     holds its time and whose sensor is its own, or not known.
+
+    Parameters
+    ----------
+    trajectories : tuple of Trajectory
+        Trajectories with their intervals.
+    t_ns : (n,) int64 ns
+        Host times of the frames.
+    sensors : list of n str
+        Serial of each frame's sensor; empty where it is not known.
+    named : list of n str
+        Trajectory that each frame names; empty where it names none.
     """
     rows = np.full(len(t_ns), -1, dtype=np.int32)
     by_name = {trajectory.name: row for row, trajectory in enumerate(trajectories)}
@@ -84,7 +95,17 @@ def assign_frames(
 
 
 def within(trajectories: tuple[Trajectory, ...], rows: NDArray[np.int32], t_ns: Times) -> NDArray[np.bool_]:
-    """Whether each frame (n,) lies in the interval of its trajectory (``rows``, -1 for none)."""
+    """Return whether each frame (n,) lies in the interval of its trajectory; ``False`` where it has none.
+
+    Parameters
+    ----------
+    trajectories : tuple of Trajectory
+        Trajectories with their intervals.
+    rows : (n,) int32
+        Row of each frame's trajectory, -1 for none.
+    t_ns : (n,) int64 ns
+        Host times of the frames.
+    """
     edges = np.array([(trajectory.start_ns, trajectory.end_ns) for trajectory in trajectories], np.int64).reshape(-1, 2)
     found = np.zeros(len(rows), dtype=bool)
     owned = rows >= 0
@@ -100,7 +121,23 @@ def trajectory_table(
     contact_force: NDArray[np.float32],
     signals: dict[str, StoredSignal],
 ) -> pa.Table:
-    """Trajectories with ``TRAJECTORY_SCHEMA``; frames are sorted by trajectory, those outside any at the end."""
+    """Return the table of trajectories, with ``TRAJECTORY_SCHEMA``.
+
+    Parameters
+    ----------
+    trajectories : tuple of Trajectory
+        The rows of the table.
+    source_digest : str
+        SHA-256 of the recording's files, of which the trajectories' uids are made.
+    segmented : "log", "contact onset and release" or "whole recording"
+        Who cut the recording into trajectories.
+    frame_trajectory : (n,) int32
+        Row of each frame's trajectory, ascending; those outside any, -1, at the end.
+    contact_force : (n,) float32, N
+        Contact force of each frame, NaN where it is not known.
+    signals : dict, name -> StoredSignal
+        Signals of the recording; the table holds which of their rows lie in each trajectory.
+    """
     columns: dict[str, list[Any]] = {field.name: [] for field in TRAJECTORY_SCHEMA}
     inside = frame_trajectory[: int((frame_trajectory >= 0).sum())]
     for row, trajectory in enumerate(trajectories):

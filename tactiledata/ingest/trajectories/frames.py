@@ -88,7 +88,23 @@ def frames_table(
     contact_force: NDArray[np.float32],
     flags: NDArray[np.uint32],
 ) -> pa.Table:
-    """Frames with ``FRAME_SCHEMA``; all arguments but ``captured`` are in the store's order."""
+    """Return the table of frames in the store's order, with ``FRAME_SCHEMA``.
+
+    Parameters
+    ----------
+    captured : CapturedFrames
+        Images in the order in which they were captured.
+    order : (n,) int64
+        Row in ``captured`` of each frame of the store.
+    trajectory : (n,) int32
+        Row of each frame's trajectory, -1 for none; in the store's order, as are all that follow.
+    sensors : list of n str
+        Serial of each frame's sensor.
+    contact_force : (n,) float32, N
+        Contact force, NaN where it is not known.
+    flags : (n,) uint32
+        Bits of `FrameFlag`.
+    """
     images = captured.images.take(pa.array(order))
     columns: dict[str, Any] = {
         "trajectory": trajectory,
@@ -125,7 +141,19 @@ def _dictionary(values: list[str]) -> pa.Array:
 def frame_flags(
     encodings: list[str], trajectory: NDArray[np.int32], gaps: dict[str, Times], gap_limit_ns: int
 ) -> NDArray[np.uint32]:
-    """Bits of `FrameFlag` per frame."""
+    """Return the bits of `FrameFlag` (n,) of each frame: image missing, outside any trajectory, in a gap of a signal.
+
+    Parameters
+    ----------
+    encodings : list of n str
+        Encoding of each image; "missing" where there is none.
+    trajectory : (n,) int32
+        Row of each frame's trajectory, -1 for none.
+    gaps : dict, signal -> (n,) int64 ns
+        Distance of the two samples of a signal about each frame; -1 outside the signal.
+    gap_limit_ns : int
+        Largest distance, ns, that is not flagged.
+    """
     flags = np.zeros(len(trajectory), np.uint32)
     flags[np.array([encoding == "missing" for encoding in encodings], dtype=bool)] |= FrameFlag.MISSING
     flags[trajectory < 0] |= FrameFlag.OUTSIDE

@@ -23,12 +23,25 @@ def name_sensors(
     sha256: str,
     say: Say,
 ) -> tuple[list[str], tuple[Trajectory, ...]]:
-    """The sensor of each image (in the order of the sink), and the trajectories with their sensors.
+    """Return the sensor of each image, in the order of the sink, and the trajectories with their sensors.
 
     An image's serial comes from the recording, else from the trajectory that it lies in. What stays unknown is called
     ``unknown-<digest>``, so that two recordings of unknown sensors are never taken for one sensor; where several
     cameras of a recording are unknown, the name of the camera is added. A trajectory without a sensor in which several
     sensors recorded becomes one trajectory a sensor.
+
+    Parameters
+    ----------
+    recording : Recording
+        The recording as it was read.
+    captured : CapturedFrames
+        Its images, with the serials that the recording states.
+    trajectories : tuple of Trajectory
+        Its trajectories; their sensors may be empty.
+    sha256 : str
+        Digest of the recording's files, by which unknown sensors are named.
+    say : callable
+        Called with each finding.
     """
     sensors = list(captured.sensors)
     cameras = captured.images["camera"].to_pylist()

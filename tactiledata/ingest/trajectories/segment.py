@@ -63,7 +63,15 @@ def contact_spans(t_ns: Times, force: np.ndarray, noise: float) -> list[tuple[in
 
 
 def whole_recording(start_ns: int, end_ns: int, sensor: str) -> tuple[tuple[Trajectory, ...], Finding]:
-    """One trajectory over everything, for a recording without names and without forces."""
+    """Return one trajectory over a whole recording without names and forces, and a finding that says so.
+
+    Parameters
+    ----------
+    start_ns, end_ns : int, ns
+        Host times of the first and the last moment of the recording.
+    sensor : str
+        Serial of the sensor; empty where it is not known.
+    """
     finding = Finding(
         "no-segmentation",
         "warning",

@@ -84,8 +84,9 @@ def gaps(indenter: Indenter, pose: RealArray, points: RealArray) -> RealArray:
 def gaps_and_normals(indenter: Indenter, pose: RealArray, points: RealArray) -> tuple[RealArray, RealArray]:
     """Return the signed distances (n,), m, of points, and the unit normals (n, 3) out of the indenter, gel frame.
 
-    A point inside the body is first moved down, out of it, and the distance is extrapolated from there as a plane: a
-    deep first guess beside an edge belongs to the face above it, not to the wall beside it.
+    Every point is first moved down along the gel's z axis, a point inside the body out of it, and the distance is
+    extrapolated from there as a plane: a deep first guess beside an edge belongs to the face above it, not to the wall
+    beside it.
 
     Parameters
     ----------

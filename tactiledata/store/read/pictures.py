@@ -150,7 +150,22 @@ class Pictures:
     def pictures(
         self, rows: Sequence[int], threads: int | None, when_missing: Literal["error", "zeros"]
     ) -> list[PictureArray] | PictureArray:
-        """Decoded frames: one array (n, H, W, 3) where they all have one size, else a list of (H, W, 3)."""
+        """Return decoded frames: one array (n, H, W, 3) where they all have one size, else a list of (H, W, 3).
+
+        Parameters
+        ----------
+        rows : sequence of n int
+            Rows of frames.
+        threads : int, optional
+            Threads that decode; one a core where ``None``.
+        when_missing : "error" or "zeros"
+            What to do for captured moments without an image.
+
+        Raises
+        ------
+        StoreError
+            An image that is damaged, or missing where ``when_missing`` is "error".
+        """
         columns = self._load()
         if not len(rows):
             return []

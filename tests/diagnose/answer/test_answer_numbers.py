@@ -12,6 +12,7 @@ def told(*effects):
 
 
 def test_each_is_said_once():
+    """Effects that change what E, nu and mu mean are each told in one clause; others are not told."""
     relaxing = ("relaxation", {"share": 0.1})
     assert told(relaxing, relaxing) == ["E is then that of the gel once relaxed."]
     assert told(relaxing, ("heating", {})) == ["E is then that of the gel once relaxed and the gel at power-on."]

@@ -29,6 +29,7 @@ def document(effects):
 
 
 def test_it_holds_effects_material_offsets_and_what_made_it(tmp_path):
+    """The file gives back effects and material, and holds each trajectory's offset and the settings of the fit."""
     found = effects_file(done([1e-5, -2e-5]), document(effects_document([LAG], GEL)))
     write_json_atomic(tmp_path / "effects.json", found)
     assert read_settings(tmp_path / "effects.json") == (LAG,)
@@ -38,9 +39,11 @@ def test_it_holds_effects_material_offsets_and_what_made_it(tmp_path):
 
 
 def test_nothing_is_written_where_nothing_is_claimed():
+    """Without a claim there is no file of effects."""
     assert effects_file(done([0.0, 0.0]), document(None)) is None
 
 
 def test_offsets_belong_to_the_trajectories_that_took_part():
+    """Another number of offsets than of trajectories is refused."""
     with pytest.raises(ValueError, match="zip"):
         effects_file(done([1e-5]), document(effects_document([LAG], GEL)))

@@ -231,4 +231,4 @@ def test_no_trial_is_promised_for_what_is_in_no_catalogue(named):
     clear = [dataclasses.replace(one, separations=()) for one in propose_trials(named)]
     assert "no further trial is needed" in next_trial_sentences(clear)[0]
     (said,) = next_trial_sentences(clear, is_more_left=True)
-    assert "what is left is none of them" in said
+    assert "none of these explains what is left" in said

@@ -44,12 +44,14 @@ REACH = STIFFNESS * np.abs(np.diff(PATH, prepend=0.0))
 
 
 def test_columns_are_given_back(columns):
+    """At a played friction the columns are those of the play, and below the lowest friction those of the lowest."""
     for friction in NODES:
         assert np.allclose(columns.at(np.full(OUT + BACK, friction))[:, 0], there_and_back(friction))
     assert np.array_equal(columns.at(np.full(OUT + BACK, 0.1)), columns.at(np.full(OUT + BACK, NODES[0])))
 
 
 def test_one_friction_leaves_nothing_to_remember(columns):
+    """With one friction in all frames, shear does not depend on earlier frames."""
     assert not remembered(np.full(OUT + BACK, 0.6), columns, TOUCHING, REACH).any()
 
 
@@ -89,6 +91,7 @@ def test_a_limit_that_grows_at_rest_pulls_nothing(columns):
 
 
 def test_air_forgets(columns):
+    """A frame without contact ends the dependence of shear on earlier frames."""
     frictions = np.full(OUT + BACK, 0.6)
     frictions[OUT - 2 : OUT] = 0.4
     touching = TOUCHING.copy()
@@ -100,6 +103,7 @@ def test_air_forgets(columns):
 
 @given(st.lists(st.floats(0.35, 0.9), min_size=OUT + BACK, max_size=OUT + BACK), st.integers(0, OUT + BACK - 1))
 def test_it_stays_within_the_limit_and_depends_smoothly_on_friction(columns, frictions, row):
+    """Shear stays within the larger of friction limit and played shear, and varies smoothly with friction."""
     frictions = np.array(frictions)
     own = columns.at(frictions)[:, :2]
     shear = own + remembered(frictions, columns, TOUCHING, REACH)

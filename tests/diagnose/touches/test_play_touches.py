@@ -52,6 +52,7 @@ def engine_wrench(touch, deeper=0.0, friction=MATERIAL.friction):
 
 @pytest.mark.parametrize(("deeper", "friction"), [(0.0, 1.0), (3e-5, 1.0), (0.0, 1.2)])
 def test_it_answers_as_the_engine(played, deeper, friction):
+    """Interpolated plays give the force of the gel engine within 3 %, deeper and with more friction too."""
     for measured_touch, plays in zip(*played, strict=True):
         touch = Touch(
             measured_touch.seconds, measured_touch.touch.poses, measured_touch.touch.indenter, MATERIAL, DIGIT.gel
@@ -69,6 +70,7 @@ def test_it_answers_as_the_engine(played, deeper, friction):
 
 
 def test_a_frame_without_a_pose_is_not_known(played, tmp_path, monkeypatch):
+    """A frame without a pose is NaN in every play, and frames beside it are not."""
     monkeypatch.setenv("TACTILEDATA_CACHE", str(tmp_path))
     touch = measured((0.0, 0.0))
     touch.touch.poses[3] = np.nan
@@ -78,6 +80,7 @@ def test_a_frame_without_a_pose_is_not_known(played, tmp_path, monkeypatch):
 
 
 def test_variants_are_played_and_kept(tmp_path, monkeypatch):
+    """Thinner gels, larger indenters and thicker skins push harder; a second run reads all variants from the cache."""
     monkeypatch.setenv("TACTILEDATA_CACHE", str(tmp_path))
     touch = measured((0.0, 0.0))
     variants = variants_of(["thickness", "mount_offset", "skin"])
@@ -101,6 +104,8 @@ def test_variants_are_played_and_kept(tmp_path, monkeypatch):
 
 
 def test_a_variant_that_cannot_be_solved_costs_no_frames():
+    """A variant is given up that loses more than a tenth of the frames that the nominal gel solves."""
+
     def play(unsolved):
         status = np.full(20, FrameStatus.SOLVED, dtype=np.int8)
         status[:unsolved] = FrameStatus.NOT_CONVERGED
@@ -150,6 +155,7 @@ def test_what_is_asked_for_and_what_the_linear_engine_does_not_know_is_played_in
 
 
 def test_a_part_is_the_same_frames(played):
+    """Plays cut to some frames answer in these frames as the whole plays do."""
     touches, (first, _) = played
     rows = np.array([True, False, True, True, True, False, True, True])
     touch = touches[0]

@@ -38,6 +38,7 @@ def test_a_contact_is_where_its_torques_say_and_nowhere_else(columns, depth, tip
 
 @given(some(COUNT, 2), some(COUNT, 2), some(COUNT))
 def test_forces_along_the_gel_have_the_torques_of_their_height(shear, centre, heights):
+    """Compiled torques of forces along the gel are those of the general formula."""
     force, at = np.column_stack([shear, np.zeros(COUNT)]), np.column_stack([centre, heights])
     np.testing.assert_allclose(wrench_at_height(shear, centre, heights), wrench_at(force, at), atol=1e-12)
 

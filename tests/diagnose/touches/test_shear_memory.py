@@ -29,6 +29,7 @@ def test_what_slides_stays_at_its_limit():
 
 
 def test_a_shift_that_stays_changes_nothing_and_air_forgets():
+    """A constant shift changes no shear, and after a frame without friction limit an earlier shift has no influence."""
     assert not shear_change(PATH, np.full_like(PATH, 3e-4), STIFFNESS, FAR, Sliders(1.1, 0.4)).any()
     limit = FAR.copy()
     limit[10] = 0.0

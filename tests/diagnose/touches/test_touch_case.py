@@ -54,6 +54,7 @@ def test_a_balance_that_is_near_is_found_sooner_and_is_the_same():
 
 
 def test_what_is_played_near_does_not_depend_on_what_was_played_last():
+    """Wrenches that start from a stated balance do not depend on what was simulated in between."""
     cases = recorded(touches=8, slide=1e-3)
     arm, stiffer = (effect("arm_compliance", translation=one) for one in (1e-5, 0.9e-5))
     before = cases.played(START, arm)

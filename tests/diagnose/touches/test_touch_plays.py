@@ -68,6 +68,7 @@ def asked(offset=0.0, friction=1.0, x=0.0):
 
 
 def test_plays_are_given_back(plays, touch):
+    """At the nu and mu of a play its wrench is given back, times E."""
     for ratio in PLAN.ratios:
         for friction in PLAN.frictions:
             answer = PlayedFamily([touch], [plays])(GelMaterial(9e5, ratio, friction))(touch).respond(*asked())
@@ -75,6 +76,7 @@ def test_plays_are_given_back(plays, touch):
 
 
 def test_between_plays_it_is_near(plays, touch):
+    """Between plays the wrench is that of the closed form within 2 %, with the depth and the centre of pressure."""
     base = PlayedFamily([touch], [plays])(GelMaterial(9e5, 0.468, 0.62))(touch)
     answer = base.respond(*asked(offset=3e-5))
     expected = 9e5 * columns(0.468, 0.62, 3e-5)[:, :6]
@@ -86,6 +88,7 @@ def test_between_plays_it_is_near(plays, touch):
 
 
 def test_friction_of_single_frames(plays, touch):
+    """Less friction in one frame lowers its shear in proportion, and changes no other frame."""
     base = PlayedFamily([touch], [plays])(touch.material)(touch)
     friction = np.ones(FRAMES)
     friction[-1] = 0.8
@@ -96,6 +99,7 @@ def test_friction_of_single_frames(plays, touch):
 
 
 def test_only_what_was_played_is_answered(plays, touch):
+    """A variant of the gel or a touch that was not played is refused."""
     base = PlayedFamily([touch], [plays])(touch.material)(touch)
     assert not base.difference(GelVariant()).any()
     assert base.difference(GelVariant(c20=0.2)) == pytest.approx(9e-4)

@@ -240,6 +240,7 @@ def test_selection_concerns_only_what_can_have_been_chosen(play):
 
 
 def test_a_knee_bends_between_what_stays_and_the_limit():
+    """A knee leaves small forces as they are, ends at the limit, and bends smoothly between, for both signs."""
     force, limit = np.linspace(-9.0, 9.0, 1801), 5.0
     for knee in (0.1, 0.6):
         told = limited(force, limit, knee)
@@ -254,6 +255,7 @@ def test_a_knee_bends_between_what_stays_and_the_limit():
 
 
 def test_a_knee_of_nothing_is_a_hard_limit():
+    """A knee of width 0 cuts forces off at the limit, and a narrow one nearly so."""
     force = np.linspace(-9.0, 9.0, 181)
     np.testing.assert_array_equal(limited(force, 5.0, 0.0), np.clip(force, -5.0, 5.0))
     np.testing.assert_allclose(limited(force, 5.0, 1e-4), np.clip(force, -5.0, 5.0), atol=5.0 * 1e-4)

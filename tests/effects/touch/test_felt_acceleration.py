@@ -51,6 +51,7 @@ def test_a_steady_acceleration_is_felt_as_it_is_and_steady_speed_not_at_all():
 
 
 def test_noise_of_the_places_grows_with_the_square_of_the_frequency_at_most():
+    """Noise of the positions reaches the accelerations with at most the square of the frequency."""
     seconds = np.arange(0.0, 4.0, 0.002)
     noise = 1e-6 * np.random.default_rng(0).normal(size=(len(seconds), 3))
     felt = felt_accelerations(np.arange(1.0, 4.0, 0.01), seconds, noise)
@@ -82,6 +83,7 @@ def test_a_clock_that_jumps_is_a_new_start_and_costs_nothing():
 
 
 def test_a_stream_of_no_positions_tells_of_no_acceleration():
+    """Without positions all accelerations are 0."""
     assert not felt_accelerations(FRAMES, np.zeros(0), np.zeros((0, 3))).any()
 
 

@@ -30,11 +30,13 @@ def forces(variant, places=((0.0, 0.0),), depth=0.4e-3):
 
 
 def test_the_nominal_gel_is_the_pad_itself():
+    """The nominal variant is the very same mesh, with its surface at height 0."""
     assert warped(PAD, GelVariant()) is PAD
     assert surface_height(PAD, PAD.vertices[PAD.surface][:, :2]).max() == pytest.approx(0.0, abs=1e-9)
 
 
 def test_a_thicker_pad_keeps_its_surface():
+    """A pad that is 20 % thicker keeps its outer surface, and its base lies lower by 20 %."""
     thick = warped(PAD, GelVariant(thickness=1.2))
     assert np.abs(thick.vertices - PAD.vertices)[PAD.surface][:, :2].max() == 0
     up = surface_height(PAD, PAD.vertices[:, :2]) - PAD.vertices[:, 2] < 1e-9
@@ -43,6 +45,7 @@ def test_a_thicker_pad_keeps_its_surface():
 
 
 def test_a_dome_keeps_its_base_and_its_middle():
+    """A domed pad keeps its base and the height of its middle, and falls with the square of the distance."""
     dome = warped(PAD, GelVariant(dome=2000.0))
     assert np.array_equal(dome.vertices[PAD.base], PAD.vertices[PAD.base])
     assert surface_height(dome, np.zeros((1, 2)))[0] == pytest.approx(0.0, abs=2e-5)
@@ -52,6 +55,7 @@ def test_a_dome_keeps_its_base_and_its_middle():
 
 
 def test_each_variant_changes_the_force_its_own_way():
+    """A thicker pad is softer, a skin stiffer, and a soft spot softer above the spot only."""
     on_spot, beside = (3e-3, 3e-3), (-4e-3, -5e-3)
     plain, plain_on_spot, plain_beside = forces(GelVariant(), ((0.0, 0.0), on_spot, beside))
     assert forces(GelVariant(thickness=1.2))[0] < 0.99 * plain

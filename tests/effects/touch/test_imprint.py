@@ -21,6 +21,7 @@ def test_imprint_of_a_ball_and_of_a_punch(depth):
 
 @pytest.mark.parametrize("name", INDENTERS)
 def test_depth_is_the_inverse_of_imprint(name):
+    """For every indenter, imprint grows with depth, and the table gives back the depth of an imprint."""
     table = ImprintTable.of(make_indenter({"shape": name}, None, name))
     assert (np.diff(table.imprints) >= 0).all()
     for depth in (2e-4, 7e-4, 1.5e-3):
@@ -36,6 +37,7 @@ def test_a_punch_does_more_than_a_ball():
 
 
 def test_places_fade():
+    """The weight of an earlier press falls with distance as a Gaussian."""
     assert nearness(np.array(0.0)) == 1.0
     assert nearness(np.array(SPREAD)) == pytest.approx(np.exp(-0.5))
     assert nearness(np.array(5 * SPREAD)) < 1e-5

@@ -58,6 +58,7 @@ def test_stress_is_the_law_s(kind, c20, c30):
 
 
 def test_no_terms_change_no_bit(pad):
+    """Yeoh's terms of 0 change no bit of the forces."""
     elastic = ElasticPad.of(pad, cell_quadrature(pad))
     moved = np.random.default_rng(0).normal(0, 2e-5, (2, *pad.vertices.shape))
     plain = internal_forces(elastic, moved, NU)
@@ -73,12 +74,14 @@ def pressed(engine):
 
 @pytest.mark.parametrize("fidelity", ["linear", "finite-strain"])
 def test_a_gel_twice_as_stiff_pushes_twice_as_hard(pad, fidelity):
+    """A gel whose cells are all twice as stiff pushes twice as hard, linear and at finite strain."""
     plain = pressed(FemEngine(pad, 0.47, fidelity))
     double = pressed(FemEngine(pad, 0.47, fidelity, modulus=np.full(len(pad.cells), 2.0)))
     assert double == pytest.approx(2 * plain, rel=2e-3)
 
 
 def test_a_stiff_skin_is_felt_and_is_not_read_from_another_gel_s_cache(pad):
+    """A stiff skin raises forces, and its compliance is not that which the cache holds for a gel without it."""
     skin = np.where(pad.vertices[pad.cells, 2].max(axis=1) > -0.4e-3, 3.0, 1.0)
     assert (skin > 1).any()
     assert (pressed(FemEngine(pad, 0.47, "linear", modulus=skin)) > 1.1 * pressed(FemEngine(pad, 0.47, "linear"))).all()
@@ -91,6 +94,7 @@ def test_a_stiff_skin_is_felt_and_is_not_read_from_another_gel_s_cache(pad):
 
 
 def test_stiffening_grows_with_depth(pad):
+    """Yeoh's terms raise the force by a share that grows with depth."""
     plain = pressed(FemEngine(pad, 0.47))
     share = pressed(FemEngine(pad, 0.47, stiffening=Stiffening(c20=0.2))) / plain - 1
     assert (share > 0).all()
@@ -98,6 +102,7 @@ def test_stiffening_grows_with_depth(pad):
 
 
 def test_wrong_factors_are_refused(pad):
+    """Refused are factors other than one positive number for each cell, and terms that are not finite."""
     for wrong in (np.ones(3), np.zeros(len(pad.cells)), np.full(len(pad.cells), np.nan)):
         with pytest.raises(UsageError, match="positive numbers"):
             cell_quadrature(pad).stiffened(wrong)

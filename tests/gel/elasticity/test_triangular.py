@@ -29,6 +29,7 @@ def off(found, expected):
 
 @pytest.mark.parametrize("count", [1, 5, 8, 21])
 def test_solutions_agree(pad, count):
+    """Single-precision and refined solutions agree with the exact one, for every number of load cases."""
     forces = loads(pad, count)
     expected = pad.solve(forces)
     assert off(pad.solve_roughly(forces), expected) < 2e-5
@@ -60,6 +61,7 @@ def test_blocks_hold_the_factor(pad):
 
 
 def test_company_changes_no_bit(pad):
+    """A load case has bit for bit the same solution alone and beside others."""
     forces = loads(pad, 11)
     together = pad.solve_roughly(forces)
     for number in (0, 3, 7, 10):
@@ -67,5 +69,6 @@ def test_company_changes_no_bit(pad):
 
 
 def test_the_base_stays(pad):
+    """The base of the pad does not move under loads."""
     forces = loads(pad, 2)
     assert not pad.solve_roughly(forces)[:, pad.mesh.base].any()

@@ -25,6 +25,7 @@ def said(log, place, **options):
 
 
 def test_sound_recordings_say_nothing(tiny_folders, tmp_path):
+    """A sound recording has no finding on streams that do not belong together."""
     assert said(tiny_folders[0], tmp_path) == set()
 
 

@@ -14,6 +14,7 @@ STIFFNESS = np.interp(MOMENTS, [0, 50], [0.0, 5e3])
 
 @pytest.mark.parametrize(("factor", "spread"), [(0.9, 0.4), (1.15, 0.7), (1.0, 0.0)])
 def test_planted_ones_are_found(factor, spread):
+    """Stiffness and spread of planted springs are found within 0.05; without pull, the usual springs are returned."""
     pull = OwnSprings(factor, spread).pull(PATH[:, :2], NORMAL, STIFFNESS, 0.6)
     assert own_springs(PATH, NORMAL, STIFFNESS, 0.6, pull) == pytest.approx((factor, spread), abs=0.05)
     assert own_springs(PATH, NORMAL, STIFFNESS, 0.6, 0.0 * pull) == OwnSprings()

@@ -43,6 +43,7 @@ def last_of(hidden, phase, position=(0.004, 0.0), indenter="ball", steps=(PRESS,
 
 
 def test_a_cap_falls_as_its_slope_says():
+    """A cap has the height of a sphere, its slope is the derivative of that height, and a flat cap does not fall."""
     cap, step = Cap(1 / RADIUS), 1e-6
     x, y = np.array([0.003, -0.005]), np.array([0.001, 0.004])
     np.testing.assert_allclose(cap.fall(x, y), RADIUS - np.sqrt(RADIUS**2 - x**2 - y**2), rtol=1e-12)
@@ -55,7 +56,7 @@ def test_a_cap_falls_as_its_slope_says():
     assert not Cap().downhill((0.003, 0.001)).any()
 
 
-@pytest.mark.parametrize("form", [{}, LAYER], ids=["closed", "layer"])
+@pytest.mark.parametrize("form", [{}, pytest.param(LAYER, marks=pytest.mark.slow)], ids=["closed", "layer"])
 def test_in_the_middle_a_ball_presses_like_a_smaller_one_on_a_flat_gel(form):
     """The force is that of 1 / R' = 1 / R + 1 / R_dome (Hertz), 3 % less than on a flat gel."""
     domed = last([DOME], "press", (0.0, 0.0), **form)
@@ -79,6 +80,7 @@ def test_without_friction_the_force_is_along_the_normal(form):
 
 @pytest.mark.parametrize("form", [{}, pytest.param(LAYER, marks=pytest.mark.slow)], ids=["closed", "layer"])
 def test_on_the_other_side_it_is_the_mirror_image(form):
+    """A touch on the other side of the dome has the mirrored wrench."""
     inward = {"shear": {**OUTWARD["shear"], "by": [-0.0010, 0.0]}}
     one = last([DOME], "shear", steps=(PRESS, OUTWARD), **form)
     other = last([DOME], "shear", (-0.004, 0.0), steps=(PRESS, inward), **form)
@@ -87,6 +89,7 @@ def test_on_the_other_side_it_is_the_mirror_image(form):
     np.testing.assert_allclose(other[3:], mirrored[3:], rtol=2e-2, atol=1e-4)
 
 
+@pytest.mark.slow
 def test_both_forms_of_contact_lose_as_much_on_the_way_out():
     """Sliding downhill, a ball leaves the gel: pull, force and torque fall alike, within a third."""
     lost = [

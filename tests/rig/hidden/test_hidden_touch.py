@@ -168,6 +168,7 @@ def test_a_slide_relaxes_where_it_sticks_and_keeps_to_friction_where_it_slides()
 
 
 def test_a_memory_that_forgets_nothing_is_none():
+    """Sliders that keep all of their pull slide as those without loss do."""
     path = np.cumsum(np.random.default_rng(0).normal(0, 2e-5, (800, 2)), axis=0)
     normal, stiffness, areas = np.full(800, 1.5), np.full(800, 2500.0), np.full(800, 1e-5)
     plain = slide(path, normal, stiffness, areas, 0.4, 500.0)[0]

@@ -165,10 +165,13 @@ def test_full_slip_pulls_with_the_coefficient_of_friction():
     assert -press.wrench[-1, 0] == pytest.approx(0.2 * press.wrench[-1, 2], rel=0.05)
 
 
-@pytest.mark.parametrize("shift", [1e-9, pytest.param(-3e-9, marks=pytest.mark.slow)])
-def test_a_slide_under_an_edge_amplifies_nothing(shift):
-    """A tilted punch is dragged by 1.2 mm, and once more from nanometres beside: forces agree within 1 % all along."""
-    drag = np.column_stack([np.arange(1, 13) * 1e-4, np.zeros(12), np.full(12, 4e-4)])
+@pytest.mark.parametrize(
+    ("shift", "steps"),
+    [(1e-9, 5), pytest.param(1e-9, 12, marks=pytest.mark.slow), pytest.param(-3e-9, 12, marks=pytest.mark.slow)],
+)
+def test_a_slide_under_an_edge_amplifies_nothing(shift, steps):
+    """A tilted punch is dragged by 0.5 or 1.2 mm, and once more from nanometres beside: forces agree within 1 %."""
+    drag = np.column_stack([np.arange(1, steps + 1) * 1e-4, np.zeros(steps), np.full(steps, 4e-4)])
     path, tilt = np.concatenate([down_to(4e-4, 4), drag]), (0.03, -0.02, 0.1)
     once, again = (
         solve_press(body("cylinder_flat"), poses_at(at, tilt), THICKNESS, GEL, COARSE).wrench[:, :3]
@@ -186,7 +189,7 @@ def reference_punch(material, depths, cells, is_linear=False, is_stuck=True):
     return layer.press(under, -np.asarray(depths)[:, None] * np.ones(len(under)), is_stuck)
 
 
-@pytest.mark.parametrize("is_linear", [True, False])
+@pytest.mark.parametrize("is_linear", [pytest.param(True, marks=pytest.mark.slow), False])
 def test_a_punch_agrees_with_the_axisymmetric_reference(is_linear):
     """A stuck punch of 3 mm at 0.3 mm is within 3 % of Newton's solution on another mesh, linear and not."""
     depths = np.arange(1, 4) * 1e-4

@@ -26,6 +26,7 @@ def changed(**changes):
 
 
 def test_the_help_of_record_lists_the_bundled_worlds(capsys, monkeypatch):
+    """The help of `record` lists every bundled world."""
     monkeypatch.setattr(sys, "argv", ["tactiledata", "record", "--help"])
     with pytest.raises(SystemExit):
         run()

@@ -84,6 +84,7 @@ def test_the_default_needs_no_model(folder, capsys, monkeypatch):
     assert (folder / "transferred" / "ds-ycb-sensorA-relit.zarr").is_dir()
 
 
+@pytest.mark.slow
 def test_the_default_measures_itself_and_keeps_the_touch(tiny_store, tmp_path, monkeypatch, capsys):
     """What the model draws of the store's own touches and what is kept are printed, in JSON, and stored.
 
