@@ -162,6 +162,7 @@ def _directions(contact: _Contact, rows: Mask, growth: Array, unloaded: Array) -
     touched = rows & (load > 0)
     bend = growth**2 - float(np.mean(growth[touched] ** 2)) if touched.any() else growth
     turned_back = contact.sheared(contact.since_turn * (1.0 - slides[:, None]))
+    along, across = (np.einsum("ni,ni->n", shear, way)[:, None] * way for way in contact.turned.transpose(1, 0, 2))
     none = np.zeros_like(load)
     pushed = np.column_stack([none, none, load * np.minimum(used, 1.0) ** 2, none, none, none])
     factors = (growth, bend, unloaded)
@@ -169,7 +170,7 @@ def _directions(contact: _Contact, rows: Mask, growth: Array, unloaded: Array) -
         wrench, *(wrench * factor[:, None] for factor in factors), pushed,
         sticking, sticking * growth[:, None], sticking * used[:, None] ** 2, sticking * unloaded[:, None], turned_back,
         sliding, sliding * growth[:, None], sliding * unloaded[:, None],
-        contact.sheared(load[:, None] * contact.axis),
+        contact.sheared(along - across), contact.sheared(load[:, None] * contact.axis),
         contact.moved(contact.turned[:, 0]), contact.moved(contact.turned[:, 1]), contact.moved(contact.axis),
     ]  # fmt: skip
 
@@ -230,6 +231,7 @@ KINDS = (
     ErrorKind("shear that slides", SHEAR, "shear", 0.5),
     ErrorKind("the growth of sliding shear with depth", SHEAR, "shear", 0.5),
     ErrorKind("sliding shear while the force is taken off", SHEAR, "shear", 0.5),
+    ErrorKind("shear along the indenter's x against its y", SHEAR, "shear", 0.5),
     ErrorKind("the push aside by a tilt", SHEAR, "shear", 4.0),
     ErrorKind("the centre of pressure along the indenter's x", CENTRE, "centre"),
     ErrorKind("the centre of pressure along the indenter's y", CENTRE, "centre"),

@@ -77,6 +77,8 @@ def expected():
         "shear that slides": of(slid),
         "the growth of sliding shear with depth": of(slid, growth),
         "sliding shear while the force is taken off": of(slid, UNLOADED),
+        # the indenter leans and is not turned: its x is the gel's
+        "shear along the indenter's x against its y": of(shear * [1.0, -1.0, 0.0]),
         "the push aside by a tilt": of(leaning, load),
         "the centre of pressure along the indenter's x": moved(x_axis),
         "the centre of pressure along the indenter's y": moved(np.eye(3)[[1, 1, 1]]),
