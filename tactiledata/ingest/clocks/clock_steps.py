@@ -119,9 +119,10 @@ def judge_steps(
     usual = usual_distance(t_ns)
     steps = np.diff(t_ns)
     limit = max(LEAST_STEP, PERIODS * usual)
-    forward = np.flatnonzero(steps > limit)
+    large = np.flatnonzero(steps > limit)
+    large = large[np.argsort(-steps[large], kind="stable")[:MOST_BLOCKS]]
     blocks = _displaced_blocks(t_ns, limit, usual)
-    forward = _judged_steps(t_ns, forward[np.argsort(-steps[forward], kind="stable")[:MOST_BLOCKS]], usual, witnesses)
+    forward = _judged_steps(t_ns, large, usual, witnesses)
     back = np.array([row for row in np.flatnonzero(steps < -limit) if _runs_again(t_ns, values, int(row), usual)])
     certain = sorted({*(int(row) for row in back), *blocks})
     if not forward and not certain:
