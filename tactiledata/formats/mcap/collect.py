@@ -11,6 +11,7 @@ import numpy as np
 
 from tactiledata.contract.records import Finding, Severity, Signal, Stamps
 from tactiledata.errors import BrokenLog
+from tactiledata.formats.mcap.decode import NoSuchField
 
 
 @dataclass
@@ -61,6 +62,8 @@ class SignalBuffer:
     frame : str, optional
         The frame that is meant: messages with another frame_id are refused, messages without one are in it. ``None``:
         whatever comes, as long as it is always the same.
+    misnamed : NoSuchField, optional
+        The first path of the mapping that leads to no field of a message.
     """
 
     name: str
@@ -78,6 +81,7 @@ class SignalBuffer:
     absent: Counter[str] = field(default_factory=Counter)
     has_header: bool = False
     unframed: int = 0
+    misnamed: NoSuchField | None = None
 
     def add(self, values: Sequence[float], log_ns: int, publish_ns: int, header_ns: int | None, frame: str) -> None:
         """One sample, unless it states another frame than the one that is wanted; one that states none has that.

@@ -85,6 +85,7 @@ bag/bag_0.mcap, bag_1.mcap …"""
             raise _nothing_to_read(source, inventories, decoders, roles)
         for inventory in inventories:
             findings += Playback(inventory, reading.handler_for).run()
+        reading.check_fields()
         findings += reading.findings()
         if reading.is_empty:
             raise _nothing_read(source, findings)
@@ -112,6 +113,7 @@ bag/bag_0.mcap, bag_1.mcap …"""
         reading, tally = Reading(roles, decoders, _NoSink(), description), Tally(decoders.reason)
         for inventory in inventories:
             findings += Playback(inventory, _both(tally.handler_for(inventory, decoders.get), reading)).run()
+        reading.check_fields()
         draft = _draft(topics, roles, tally.glimpses(), description)
         return Inspection(
             source,

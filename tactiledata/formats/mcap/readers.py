@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from tactiledata.errors import SchemaError
 from tactiledata.formats.mcap.cdr import JOINT_LAYOUT, VECTOR_LAYOUTS, Take, joint_taker, vector_taker
 from tactiledata.formats.mcap.collect import SignalBuffer
-from tactiledata.formats.mcap.decode import FAULTS, Decoder, frame_of, stamp_of, steps_of, value_at
+from tactiledata.formats.mcap.decode import FAULTS, Decoder, NoSuchField, frame_of, stamp_of, steps_of, value_at
 from tactiledata.formats.mcap.roles import FIELDS_OF, SignalRole
 from tactiledata.units import TO_METRES
 
@@ -85,6 +85,8 @@ def _general(read: Reader, decoder: Decoder, sink: SignalBuffer) -> Take:
             values = read(message)
             stamp, frame = stamp_of(message), frame_of(message)
         except FAULTS as error:
+            if isinstance(error, NoSuchField):
+                sink.misnamed = sink.misnamed or error
             sink.faults.add(log_ns, error)
             return
         if values is not None:

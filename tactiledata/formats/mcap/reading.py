@@ -9,9 +9,9 @@ from mcap.records import Channel, Schema
 
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Finding, ImageSink, Signal
-from tactiledata.errors import BrokenLog
+from tactiledata.errors import BrokenLog, SchemaError
 from tactiledata.formats.mcap.collect import SignalBuffer
-from tactiledata.formats.mcap.decode import Decoder, decoder_for
+from tactiledata.formats.mcap.decode import Decoder, decoder_for, steps_of
 from tactiledata.formats.mcap.images import CameraBuffer, image_taker
 from tactiledata.formats.mcap.playback import Handler
 from tactiledata.formats.mcap.readers import signal_taker
@@ -114,6 +114,27 @@ class Reading:
         return {
             buffer.name: _with_units(buffer.signal(), roles[buffer.name]) for buffer in self._signals if len(buffer.log)
         }
+
+    def check_fields(self) -> None:
+        """Refuse a mapping whose fields are in none of the messages that it names.
+
+        Raises
+        ------
+        SchemaError
+            A path leads to an attribute of the objects that hold the messages, or nowhere.
+        """
+        for role, buffer in zip(self._roles.signals, self._signals, strict=True):
+            error = buffer.misnamed
+            if role.fields and error is not None and not len(buffer.log):
+                row = [steps_of(field) for field in role.fields].index(error.steps)
+                named = role.fields[row]
+                raise SchemaError(
+                    f"the mapping's signals.{role.name} names {named!r}; in the messages of {role.topic}, {error}",
+                    error.expected,
+                    "`tactiledata inspect` without the mapping shows a message of every topic, with its fields.",
+                    path=f"$.signals.{role.name}.fields[{row}]",
+                    topic=role.topic,
+                )
 
     def counts(self) -> dict[tuple[str, str], int]:
         """How many samples or pictures were taken, by topic and by the name of the signal or camera."""

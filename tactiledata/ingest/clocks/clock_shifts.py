@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.contract.records import Finding, Recording, Times
-from tactiledata.ingest.clocks.clock_steps import AGREE, SIGNAL, Witness, judge_steps, pauses_of
+from tactiledata.ingest.clocks.clock_steps import AGREE, SIGNAL, judge_steps, pauses_of, witness_of
 
 LEAST_SHIFT = 1_000_000_000
 """ns. Recorders of several streams start and stop them one after another within less."""
@@ -134,7 +134,7 @@ def judge_frames(
     is_off = np.zeros(len(t_ns), dtype=bool)
     findings: list[Finding] = []
     spans = {name: span_of(times) for name, times in signals.items() if len(times) > 1}
-    witnesses = [Witness(SIGNAL, *spans[name], pauses_of(signals[name])) for name in spans]
+    witnesses = [witness_of(SIGNAL, signals[name]) for name in spans]
     touches = touched_span(recording, {})
     for camera, rows in cameras.items():
         if len(rows) < 2:

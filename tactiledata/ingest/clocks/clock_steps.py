@@ -19,6 +19,8 @@ LEAST_STEP = 300_000_000
 """ns. Smaller steps are jitter, or a queue that was emptied out of order."""
 PERIODS = 20
 """Times the usual distance of samples, below which a step is no step."""
+SILENT_PERIODS = 3
+"""Times the usual distance of samples, from which on a witness that stops is seen to be silent."""
 MOST_STEPS = 8
 """The largest pauses that are looked at together."""
 MOST_BLOCKS = 64
@@ -32,6 +34,8 @@ SHARP_SHARE = 0.1
 BLOCK = 10
 """Samples, at least, of a stretch that stands elsewhere as a whole."""
 LEFT_OUT = "samples whose time is off were left out, because their forces or poses would stand in other touches"
+AS_WELL = 150_000_000
+"""ns. Choices of jumps that explain a length within this of the best explain it as well: half of the least step."""
 CROWDED = 1.5
 """Times the usual number of samples in a stretch, from which on two stretches of real time lie there."""
 
@@ -45,12 +49,14 @@ class Witness:
     """The first and last moment (ns) of what was recorded beside a stream, and its pauses as (place, length) in ns.
 
     The less ``rank``, the more it counts: `STAMPS` (the stream's own other ones), `SIGNAL`, `IMAGES`, `TRAJECTORIES`.
+    Of steps shorter than ``shown_from`` (ns) nobody can say whether it was silent too.
     """
 
     rank: int
     start: int
     end: int
     pauses: tuple[tuple[int, int], ...] = ()
+    shown_from: int = 0
 
 
 @dataclass(frozen=True)
@@ -74,6 +80,24 @@ def pauses_of(t_ns: Times) -> tuple[tuple[int, int], ...]:
     return tuple((int(t_ns[row]), int(steps[row])) for row in np.flatnonzero(steps > limit))
 
 
+def shown_from(t_ns: Times) -> int:
+    """Return the length (ns) of a step from which on a stream shows whether it was silent; 0 if it shows all steps."""
+    limit = SILENT_PERIODS * usual_distance(t_ns)
+    return limit if limit > LEAST_STEP else 0
+
+
+def silences_of(t_ns: Times) -> tuple[tuple[int, int], ...]:
+    """Place and length (ns) of the steps forward in which a stream, or the images of a camera, are silent."""
+    limit = max(LEAST_STEP, shown_from(t_ns))
+    steps = np.diff(t_ns)
+    return tuple((int(t_ns[row]), int(steps[row])) for row in np.flatnonzero(steps > limit))
+
+
+def witness_of(rank: int, t_ns: Times) -> Witness:
+    """Return what signals or images at some times (two at least) witness of the streams beside them."""
+    return Witness(rank, int(t_ns.min()), int(t_ns.max()), silences_of(t_ns), shown_from(t_ns))
+
+
 def judge_steps(
     stream: str, t_ns: Times, values: Values, witnesses: Sequence[Witness], lost: str = LEFT_OUT
 ) -> BelievedTimes:
@@ -95,15 +119,16 @@ def judge_steps(
     usual = usual_distance(t_ns)
     steps = np.diff(t_ns)
     limit = max(LEAST_STEP, PERIODS * usual)
-    forward = np.flatnonzero(steps > limit)
+    large = np.flatnonzero(steps > limit)
+    large = large[np.argsort(-steps[large], kind="stable")[:MOST_BLOCKS]]
     blocks = _displaced_blocks(t_ns, limit, usual)
-    forward = np.sort(forward[np.argsort(-steps[forward], kind="stable")[:MOST_STEPS]])
+    forward = _judged_steps(t_ns, large, usual, witnesses)
     back = np.array([row for row in np.flatnonzero(steps < -limit) if _runs_again(t_ns, values, int(row), usual)])
     certain = sorted({*(int(row) for row in back), *blocks})
-    if not len(forward) and not certain:
+    if not forward and not certain:
         return BelievedTimes(everything, ())
-    size = {int(row): int(steps[row]) - usual for row in (*forward, *certain)}
-    open_rows = [int(row) for row in forward if int(row) not in blocks]
+    size = {row: int(steps[row]) - usual for row in (*forward, *certain)}
+    open_rows = [row for row in forward if row not in blocks]
     jumps, is_known = _jumps(t_ns, size, open_rows, certain, witnesses)
     if not jumps:
         said = () if is_known else (_undecided(stream, t_ns, size),)
@@ -111,6 +136,14 @@ def judge_steps(
     off = _displacement(t_ns, {row: size[row] for row in jumps}, witnesses)
     kept = np.abs(off) < LEAST_STEP
     return BelievedTimes(kept, _findings(stream, t_ns, off, kept, [(row, size[row]) for row in sorted(jumps)], lost))
+
+
+def _judged_steps(t_ns: Times, rows: NDArray[np.intp], usual: int, witnesses: Sequence[Witness]) -> list[int]:
+    """Of steps forward, the largest first, those that are looked at together: ones that nobody shares before others."""
+    size = {int(row): int(t_ns[row + 1] - t_ns[row]) - usual for row in rows}
+    halts = [witness for witness in witnesses if witness.rank in (SIGNAL, IMAGES)]
+    shared = {row for row in size if any(_shares(witness, int(t_ns[row]), size[row]) for witness in halts)}
+    return sorted(sorted(size, key=lambda row: row in shared)[:MOST_STEPS])
 
 
 def _displaced_blocks(t_ns: Times, limit: int, usual: int) -> set[int]:
@@ -164,32 +197,95 @@ def _jumps(
     t_ns: Times, size: dict[int, int], forward: list[int], back: list[int], witnesses: Sequence[Witness]
 ) -> tuple[set[int], bool]:
     """Rows before which the clock jumped, and whether any witness could tell; a step back is never a pause."""
-    lasted = int(t_ns[-1] - t_ns[0])
-    signals = [witness for witness in witnesses if witness.rank == SIGNAL]
-    subsets = [set(rows) for count in range(len(forward) + 1) for rows in itertools.combinations(forward, count)]
     for _, group in itertools.groupby(sorted(witnesses, key=lambda witness: witness.rank), lambda entry: entry.rank):
         votes = []
         for witness in group:
-            # what pauses at the same moment shares the clock, or was halted together: it cannot tell the two apart
-            shared = {row for row in forward if _shares(witness, int(t_ns[row]), size[row])}
-            shared |= {row for row in forward if _is_beyond(witness, t_ns, row, size[row], signals)}
-            longer = lasted - (witness.end - witness.start)
-            errors = [
-                (abs(longer - sum(size[row] for row in [*back, *rows])), rows) for rows in subsets if not rows & shared
-            ]
-            error, rows = min(errors, key=lambda entry: entry[0])
-            jumps = {*rows, *back}
-            largest = max((abs(size[row]) for row in size if row not in shared), default=0)
-            if largest and error <= max(AGREE, int(AGREE_SHARE * largest)):
-                votes.append(frozenset(jumps))
+            hidden = {row for row in forward if _is_hidden(witness, t_ns, row, size[row], witnesses)}
+            vote = _vote(witness, t_ns, size, [row for row in forward if row not in hidden], forward, back)
+            votes += [] if vote is None else [vote]
         if votes and votes.count(votes[0]) == len(votes):
             return set(votes[0]), True
         if votes:
             most = max(set(votes), key=votes.count)
             return (set(most), True) if 2 * votes.count(most) > len(votes) else (_returning(size, forward, back), False)
-    # where all signals halt together, none is displaced against another
-    halted = all(_shares(witness, int(t_ns[row]), size[row]) for witness in signals for row in forward)
-    return _returning(size, forward, back), bool(signals) and halted
+    # where all halt together, none is displaced against another
+    is_halt = all(_is_halt(int(t_ns[row]), size[row], witnesses) for row in forward)
+    return _returning(size, forward, back), any(witness.rank == SIGNAL for witness in witnesses) and is_halt
+
+
+def _is_hidden(witness: Witness, t_ns: Times, row: int, step: int, witnesses: Sequence[Witness]) -> bool:
+    """Whether a witness cannot tell a pause from a jump before a row.
+
+    What pauses at the same moment shares the clock, or was halted together. What others were silent at is a pause, and
+    no length of a third one makes it a jump: of images for all, of signals for other signals, which may be stopped
+    early. The stream's own log times need nobody beside them.
+    """
+    place = int(t_ns[row])
+    if _shares(witness, place, step) or step < witness.shown_from:
+        return True
+    if witness.rank == STAMPS:
+        return False
+    halting = (IMAGES, SIGNAL) if witness.rank == SIGNAL else (IMAGES,)
+    if any(_shares(other, place, step) for other in witnesses if other.rank in halting):
+        return True
+    return _is_beyond(witness, t_ns, row, step, _showing(step, witnesses))
+
+
+def _showing(step: int, witnesses: Sequence[Witness]) -> list[Witness]:
+    """Signals that are fast enough to show that they were silent for as long as a step."""
+    return [witness for witness in witnesses if witness.rank == SIGNAL and step >= witness.shown_from]
+
+
+def _is_halt(place: int, step: int, witnesses: Sequence[Witness]) -> bool:
+    """Whether images, or all signals that could show it, were silent at a step."""
+    showing = _showing(step, witnesses)
+    images = [witness for witness in witnesses if witness.rank == IMAGES]
+    by_signals = bool(showing) and all(_shares(witness, place, step) for witness in showing)
+    return by_signals or any(_shares(witness, place, step) for witness in images)
+
+
+def _vote(
+    witness: Witness, t_ns: Times, size: dict[int, int], able: list[int], forward: list[int], back: list[int]
+) -> frozenset[int] | None:
+    """The jumps that explain by how much a stream lasts longer than a witness; ``None`` where none do, or several.
+
+    Parameters
+    ----------
+    witness : Witness
+    t_ns : (n,) int64
+    size : dict, row -> ns
+        Of all steps.
+    able : list of rows
+        Steps forward of which the witness can tell.
+    forward, back : list of rows
+    """
+    largest = max((abs(size[row]) for row in (*able, *back)), default=0)
+    longer = int(t_ns[-1] - t_ns[0]) - (witness.end - witness.start)
+    choices = [(*back, *rows) for count in range(len(able) + 1) for rows in itertools.combinations(able, count)]
+    errors = [abs(longer - sum(size[row] for row in rows)) for rows in choices]
+    if not largest or min(errors) > max(AGREE, int(AGREE_SHARE * largest)):
+        return None
+    near = [rows for rows, error in zip(choices, errors, strict=True) if error <= min(errors) + AS_WELL]
+    if len(near) == 1:
+        return frozenset(near[0])
+    # several explain the length: the one with the fewest steps that the witness does not share counts, if it is one
+    ranks = [(_unshared(witness, t_ns, size, rows, forward), len(rows)) for rows in near]
+    return frozenset(near[ranks.index(min(ranks))]) if ranks.count(min(ranks)) == 1 else None
+
+
+def _unshared(witness: Witness, t_ns: Times, size: dict[int, int], jumps: tuple[int, ...], forward: list[int]) -> int:
+    """How many steps are jumps, or pauses that a witness does not share once the jumps are taken back.
+
+    The jumps are taken back from the start or from the end of the stream, whichever leaves fewer.
+    """
+    pauses = [row for row in forward if row not in jumps]
+    total = sum(size[row] for row in jumps)
+    places = [int(t_ns[row]) - sum(size[jump] for jump in jumps if jump < row) for row in pauses]
+    alone = [
+        sum(not _shares(witness, place + off, size[row]) for place, row in zip(places, pauses, strict=True))
+        for off in (0, total)
+    ]
+    return len(jumps) + min(alone)
 
 
 def _returning(size: dict[int, int], forward: list[int], back: list[int]) -> set[int]:

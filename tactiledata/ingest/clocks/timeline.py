@@ -21,7 +21,7 @@ from tactiledata.ingest.clocks.clock_steps import (
     TRAJECTORIES,
     Witness,
     judge_steps,
-    pauses_of,
+    witness_of,
 )
 from tactiledata.ingest.clocks.clocks import ClockChoice, choose_clock, time_order
 from tactiledata.ingest.clocks.rates import measure_rate, rate_findings
@@ -94,8 +94,8 @@ def _witnesses(
         found.append(Witness(STAMPS, int(stamps.log[0]), int(stamps.log[-1])))
     for other, t_ns in times.items():
         if other != name and len(t_ns) > 1:
-            found.append(Witness(SIGNAL, int(t_ns.min()), int(t_ns.max()), pauses_of(t_ns)))
-    found.extend(Witness(IMAGES, int(t_ns.min()), int(t_ns.max())) for t_ns in cameras.values() if len(t_ns) > 1)
+            found.append(witness_of(SIGNAL, t_ns))
+    found.extend(witness_of(IMAGES, t_ns) for t_ns in cameras.values() if len(t_ns) > 1)
     if recording.trajectories:
         start = min(trajectory.start_ns for trajectory in recording.trajectories)
         found.append(Witness(TRAJECTORIES, start, max(trajectory.end_ns for trajectory in recording.trajectories)))
