@@ -11,7 +11,7 @@ import numpy as np
 
 from tactiledata.contract.records import Finding, Severity, Signal, Stamps
 from tactiledata.errors import BrokenLog
-from tactiledata.formats.mcap.decode import NoSuchField
+from tactiledata.formats.mcap.message_fields import NoSuchField
 
 
 @dataclass

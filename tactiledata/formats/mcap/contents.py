@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from tactiledata.formats.mcap.decode import frame_of, stamp_of
+from tactiledata.formats.mcap.message_fields import frame_of, stamp_of
 
 MAX_DEPTH = 8
 MAX_ITEMS = 8

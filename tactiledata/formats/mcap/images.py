@@ -19,7 +19,8 @@ from tactiledata.contract.records import Finding, Image, ImageSink
 from tactiledata.errors import BrokenLog
 from tactiledata.formats.mcap.cdr import COMPRESSED_LAYOUT, IMAGE_LAYOUT, Take, compressed_at, image_at
 from tactiledata.formats.mcap.collect import FaultCount
-from tactiledata.formats.mcap.decode import FAULTS, Decoder, frame_of, stamp_of, value_at
+from tactiledata.formats.mcap.decode import FAULTS, Decoder
+from tactiledata.formats.mcap.message_fields import frame_of, stamp_of, value_at
 from tactiledata.formats.mcap.roles import COMPRESSED_KINDS, ImageRole
 
 RAW_CHANNELS = {"rgb8": (3, "rgb"), "bgr8": (3, "bgr"), "rgba8": (4, "rgb"), "bgra8": (4, "bgr"), "8UC3": (3, "bgr")}

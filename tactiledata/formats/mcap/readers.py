@@ -11,7 +11,8 @@ from scipy.spatial.transform import Rotation
 from tactiledata.errors import SchemaError
 from tactiledata.formats.mcap.cdr import JOINT_LAYOUT, VECTOR_LAYOUTS, Take, joint_taker, vector_taker
 from tactiledata.formats.mcap.collect import SignalBuffer
-from tactiledata.formats.mcap.decode import FAULTS, Decoder, NoSuchField, frame_of, stamp_of, steps_of, value_at
+from tactiledata.formats.mcap.decode import FAULTS, Decoder
+from tactiledata.formats.mcap.message_fields import NoSuchField, frame_of, stamp_of, steps_of, value_at
 from tactiledata.formats.mcap.roles import FIELDS_OF, SignalRole
 from tactiledata.units import TO_METRES
 

@@ -11,8 +11,9 @@ from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Finding, ImageSink, Signal
 from tactiledata.errors import BrokenLog, SchemaError
 from tactiledata.formats.mcap.collect import SignalBuffer
-from tactiledata.formats.mcap.decode import Decoder, decoder_for, steps_of
+from tactiledata.formats.mcap.decode import Decoder, decoder_for
 from tactiledata.formats.mcap.images import CameraBuffer, image_taker
+from tactiledata.formats.mcap.message_fields import steps_of
 from tactiledata.formats.mcap.playback import Handler
 from tactiledata.formats.mcap.readers import signal_taker
 from tactiledata.formats.mcap.roles import Roles, SignalRole

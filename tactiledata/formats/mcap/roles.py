@@ -14,7 +14,7 @@ from typing import Any
 
 from tactiledata.contract.records import Finding
 from tactiledata.errors import SchemaError
-from tactiledata.formats.mcap.decode import steps_of
+from tactiledata.formats.mcap.message_fields import steps_of
 from tactiledata.formats.reading.natural_order import natural_key
 from tactiledata.units import FIELDS, SIGNAL_COLUMNS
 

@@ -11,7 +11,8 @@ from mcap.records import Channel, Schema
 from tactiledata.contract.wording import counted
 from tactiledata.formats.base import TopicInfo
 from tactiledata.formats.mcap.contents import Contents, contents_of
-from tactiledata.formats.mcap.decode import FAULTS, Decoder, encoding_of, frame_of, kind_of, value_at
+from tactiledata.formats.mcap.decode import FAULTS, Decoder, encoding_of, kind_of
+from tactiledata.formats.mcap.message_fields import frame_of, value_at
 from tactiledata.formats.mcap.playback import Handler
 from tactiledata.formats.mcap.roles import TF_KIND, Roles
 from tactiledata.formats.mcap.survey import Survey

@@ -12,7 +12,8 @@ from typing import Any
 
 from tactiledata.contract.records import Finding
 from tactiledata.formats.mcap.collect import SignalBuffer
-from tactiledata.formats.mcap.decode import FAULTS, Decoder, frame_of, stamp_of, steps_of, value_at
+from tactiledata.formats.mcap.decode import FAULTS, Decoder
+from tactiledata.formats.mcap.message_fields import frame_of, stamp_of, steps_of, value_at
 
 Pose = tuple[float, ...]
 """x y z in metres and a quaternion x y z w: parent_from_child."""

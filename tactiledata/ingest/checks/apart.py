@@ -6,7 +6,7 @@ import numpy as np
 
 from tactiledata.contract.records import Finding
 from tactiledata.contract.take import Take
-from tactiledata.ingest.clocks.clock_steps import usual_distance
+from tactiledata.ingest.clocks.witnesses import usual_distance
 
 LEAST_LACK = 500_000_000
 """ns. A trajectory may last so much longer than a signal, and ten of its samples, before something is said."""

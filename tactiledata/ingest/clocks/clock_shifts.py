@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.contract.records import Finding, Recording, Times
-from tactiledata.ingest.clocks.clock_steps import AGREE, SIGNAL, judge_steps, pauses_of, witness_of
+from tactiledata.ingest.clocks.clock_steps import judge_steps
+from tactiledata.ingest.clocks.witnesses import AGREE, SIGNAL, pauses_of, witness_of
 
 LEAST_SHIFT = 1_000_000_000
 """ns. Recorders of several streams start and stop them one after another within less."""

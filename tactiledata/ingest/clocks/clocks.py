@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactiledata.contract.records import Finding, Stamps, Times
-from tactiledata.ingest.clocks.clock_steps import usual_distance
+from tactiledata.ingest.clocks.witnesses import usual_distance
 
 NEAR = 1_000_000_000
 """ns. A header clock whose median distance to the log time is below this is taken to be the host clock itself."""

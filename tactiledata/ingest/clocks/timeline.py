@@ -13,18 +13,10 @@ from tactiledata.contract.records import Finding, Recording, Signal, Stamps, Tim
 from tactiledata.contract.take import StoredSignal
 from tactiledata.ingest.clocks.align import POSE_COLUMNS, broken_rotations
 from tactiledata.ingest.clocks.clock_shifts import shift_finding, shift_of, span_of, touched_span
-from tactiledata.ingest.clocks.clock_steps import (
-    IMAGES,
-    LEFT_OUT,
-    SIGNAL,
-    STAMPS,
-    TRAJECTORIES,
-    Witness,
-    judge_steps,
-    witness_of,
-)
+from tactiledata.ingest.clocks.clock_steps import LEFT_OUT, judge_steps
 from tactiledata.ingest.clocks.clocks import ClockChoice, choose_clock, time_order
 from tactiledata.ingest.clocks.rates import measure_rate, rate_findings
+from tactiledata.ingest.clocks.witnesses import IMAGES, SIGNAL, STAMPS, TRAJECTORIES, Witness, witness_of
 
 LATEST = 2.0**62
 """ns since the epoch, in either direction: the year 2116. Differences of times before it still fit an int64."""

@@ -9,7 +9,7 @@ from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Times, Values
 from tactiledata.contract.take import StoredSignal
 from tactiledata.ingest.clocks.align import align, broken_rotations
-from tactiledata.ingest.clocks.clock_steps import usual_distance
+from tactiledata.ingest.clocks.witnesses import usual_distance
 from tactiledata.transforms import pose_matrices
 
 STANDARD_GRAVITY = 9.80665

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactiledata.contract.records import Finding, Times, Values
-from tactiledata.ingest.clocks.clock_steps import usual_distance
+from tactiledata.ingest.clocks.witnesses import usual_distance
 from tactiledata.ingest.forces.tare_events import Tare, without_steps
 
 LOST = 100_000_000

@@ -34,8 +34,9 @@ from tactiledata.formats.mcap.cdr import (
     image_at,
 )
 from tactiledata.formats.mcap.collect import SignalBuffer
-from tactiledata.formats.mcap.decode import Decoder, decoder_for, frame_of, stamp_of, steps_of, value_at
+from tactiledata.formats.mcap.decode import Decoder, decoder_for
 from tactiledata.formats.mcap.mcap import McapFormat
+from tactiledata.formats.mcap.message_fields import frame_of, stamp_of, steps_of, value_at
 from tactiledata.formats.mcap.readers import JointOrder, signal_taker
 from tactiledata.formats.mcap.roles import SignalRole
 

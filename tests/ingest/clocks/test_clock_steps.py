@@ -10,9 +10,10 @@ from hypothesis import strategies as st
 
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Recording, Signal, Source, Stamps, Trajectory
-from tactiledata.ingest.clocks.clock_steps import Witness, judge_steps
+from tactiledata.ingest.clocks.clock_steps import judge_steps
 from tactiledata.ingest.clocks.clocks import choose_clock
 from tactiledata.ingest.clocks.timeline import put_on_host_clock
+from tactiledata.ingest.clocks.witnesses import Witness
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.store.read.reader import Store
 

@@ -14,16 +14,9 @@ from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Recording, Signal, Source, Stamps, Trajectory
 from tactiledata.formats.mcap.mcap import McapFormat
 from tactiledata.ingest.clocks.clock_shifts import judge_frames
-from tactiledata.ingest.clocks.clock_steps import (
-    IMAGES,
-    SIGNAL,
-    Witness,
-    judge_steps,
-    pauses_of,
-    shown_from,
-    silences_of,
-)
+from tactiledata.ingest.clocks.clock_steps import judge_steps
 from tactiledata.ingest.clocks.timeline import put_on_host_clock
+from tactiledata.ingest.clocks.witnesses import IMAGES, SIGNAL, Witness, pauses_of, shown_from, silences_of
 
 START = 1_700_000_000_000_000_000
 MS, SECOND = 1_000_000, 1_000_000_000

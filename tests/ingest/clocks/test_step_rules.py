@@ -4,28 +4,30 @@ import numpy as np
 import pytest
 
 from tactiledata.ingest.clocks.clock_steps import (
-    AGREE,
     BLOCK,
     CROWDED,
-    IMAGES,
-    LEAST_STEP,
     MOST_BLOCKS,
     MOST_STEPS,
+    _displaced_blocks,
+    _displacement,
+    _runs_again,
+    judge_steps,
+)
+from tactiledata.ingest.clocks.witnesses import (
+    AGREE,
+    IMAGES,
+    LEAST_STEP,
     PERIODS,
     SIGNAL,
     STAMPS,
     SURE,
     TRAJECTORIES,
     Witness,
-    _displaced_blocks,
-    _displacement,
     _is_beyond,
-    _jumps,
     _returning,
-    _runs_again,
-    _shares,
-    judge_steps,
+    jumps_by_vote,
     pauses_of,
+    shares_pause,
     usual_distance,
 )
 
@@ -237,8 +239,8 @@ def test_a_pause_at_the_same_moment_is_shared():
         (-near - 1, 0, False), (0, near + 1, False), (0, -near - 1, False), (4 * SECOND, 2 * SECOND, True),
         (4 * SECOND, 0, False),
     ):  # fmt: skip
-        assert _shares(one, 5 * SECOND + place, SECOND + step) == is_shared, (place, step)
-    assert not _shares(Witness(SIGNAL, 0, 10**12), 5 * SECOND, SECOND)
+        assert shares_pause(one, 5 * SECOND + place, SECOND + step) == is_shared, (place, step)
+    assert not shares_pause(Witness(SIGNAL, 0, 10**12), 5 * SECOND, SECOND)
 
 
 def test_steps_back_take_the_step_forward_before_them_back():
@@ -291,7 +293,7 @@ def jumps(witnesses, steps=(5000,), back=()):
             size[row] = step * MS
             (backward if number in back else forward).append(row)
             t += step
-    found, is_known = _jumps(START + np.array(moments) * MS, size, forward, backward, witnesses)
+    found, is_known = jumps_by_vote(START + np.array(moments) * MS, size, forward, backward, witnesses)
     return sorted(row // 100 for row in found), is_known
 
 

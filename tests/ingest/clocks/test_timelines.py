@@ -5,8 +5,8 @@ import pytest
 
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Recording, Signal, Source, Stamps, Trajectory
-from tactiledata.ingest.clocks.clock_steps import IMAGES, SIGNAL, STAMPS, TRAJECTORIES, Witness
 from tactiledata.ingest.clocks.timeline import LATEST, _witnesses, image_times, put_on_host_clock
+from tactiledata.ingest.clocks.witnesses import IMAGES, SIGNAL, STAMPS, TRAJECTORIES, Witness
 from tactiledata.units import SIGNAL_COLUMNS
 
 START = 1_700_000_000_000_000_000
