@@ -91,7 +91,7 @@ def a_store_with_a_flipped_byte(bench):
     return ["check", bench.store]
 
 
-@case(1, "is damaged")
+@case(1, "are not those that were written", "tactiledata check")
 def a_store_whose_sensors_were_edited_to_nonsense(bench):
     (bench.store / "sensors.json").write_text('{"D20001": 1, "D20002": []}')
     return ["info", bench.store]

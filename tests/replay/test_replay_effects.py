@@ -8,6 +8,7 @@ import pytest
 import yaml
 from coarse import MATERIAL, coarse_pad, files, options
 from copied_trees import copy_tree
+from scipy.spatial.transform import Rotation
 
 from tactiledata.effects.simulate.setting import EffectSetting
 from tactiledata.errors import UsageError
@@ -19,7 +20,7 @@ from tactiledata.replay.attach import replay
 from tactiledata.replay.overview import mesh_section
 from tactiledata.replay.plan import plan_replay
 from tactiledata.rig.record import record
-from tactiledata.rig.scenario.scenario import load_scenario
+from tactiledata.rig.scenario.scenario import Robot, load_scenario
 from tactiledata.store.check.check import check
 from tactiledata.store.read.reader import Store
 
@@ -78,13 +79,21 @@ def test_another_gel_is_another_pad(copied, replayed):
 
 
 def test_what_acts_on_the_reading_leaves_the_mesh(copied, replayed):
-    """A turned force frame turns the wrench, norm kept; the gel is where it was."""
+    """A turned force frame turns the wrench about the sensor's z, norm of the force kept; the gel is where it was."""
     turn = 0.1
     mesh, _ = with_effects(copied, EffectSetting("frame_rotation", {"yaw": turn}))
     plain = Store.open(replayed).mesh("coarse")
     assert np.array_equal(mesh.displacement(), plain.displacement())
-    about = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
-    assert np.allclose(mesh.wrench()[:, :2], plain.wrench()[:, :2] @ about.T, atol=1e-12)
+    # the sensor's place in the gel frame, as this rig states it
+    robot = Robot()
+    sensor = (robot.tcp_from_gel.inverse() @ robot.tcp_from_ft).matrix
+    about = sensor[:3, :3] @ Rotation.from_rotvec([0.0, 0.0, turn]).as_matrix() @ sensor[:3, :3].T
+    force = plain.wrench()[:, :3]
+    about_sensor = plain.wrench()[:, 3:] - np.cross(sensor[:3, 3], force)
+    assert np.allclose(mesh.wrench()[:, :3], force @ about.T, atol=1e-9)
+    assert np.allclose(
+        mesh.wrench()[:, 3:], about_sensor @ about.T + np.cross(sensor[:3, 3], force @ about.T), atol=1e-9
+    )
     # what the gel itself exerts is still in the nodal forces
     assert np.allclose(mesh.force().sum(axis=1), -plain.wrench()[:, :3], atol=1e-5)
 

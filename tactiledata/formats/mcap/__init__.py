@@ -4,8 +4,8 @@
 - ``bags``: which files make one recording. ``layout``, ``records``, ``chunks``: bytes to records, CRCs checked,
   damage said.
 - ``survey``: what a file says of itself. ``playback``: its messages, handed to whoever wants them.
-- ``roles``: which topic is what. ``readers``, ``reading``: from a role to numbers. ``decode``, ``message_fields``, ``cdr``: messages to
-  fields.
+- ``roles``: which topic is what. ``readers``, ``reading``: from a role to numbers. ``decode``, ``cdr``: payloads to
+  messages. ``message_fields``: paths to the fields of a message.
 - ``collect``, ``images``, ``transform_tree``, ``describe``: signals, pictures, poses and the description.
 - ``tally``, ``contents``, ``likely_fields``, ``unread_topics``, ``mapping_draft``: ``inspect``, and a mapping to
   start from.

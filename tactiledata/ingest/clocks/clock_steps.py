@@ -87,7 +87,7 @@ def judge_steps(
 
 
 def _judged_steps(t_ns: Times, rows: NDArray[np.intp], usual: int, witnesses: Sequence[Witness]) -> list[int]:
-    """Of steps forward, the largest first, those that are looked at together: ones that nobody shares before others."""
+    """Return the steps forward that are looked at together: of ``rows``, those that nobody shares before others."""
     size = {int(row): int(t_ns[row + 1] - t_ns[row]) - usual for row in rows}
     halts = [witness for witness in witnesses if witness.rank in (SIGNAL, IMAGES)]
     shared = {row for row in size if any(shares_pause(witness, int(t_ns[row]), size[row]) for witness in halts)}

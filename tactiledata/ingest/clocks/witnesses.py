@@ -79,7 +79,19 @@ def witness_of(rank: int, t_ns: Times) -> Witness:
 def jumps_by_vote(
     t_ns: Times, size: dict[int, int], forward: list[int], back: list[int], witnesses: Sequence[Witness]
 ) -> tuple[set[int], bool]:
-    """Rows before which the clock jumped, and whether any witness could tell; a step back is never a pause."""
+    """Return the rows before which the clock jumped, and whether any witness could tell; a step back is never a pause.
+
+    Parameters
+    ----------
+    t_ns : (n,) int64
+        Times of the stream's samples, in the order of the recording.
+    size : dict, row -> ns
+        By how much each step is longer than the usual one.
+    forward, back : list of int
+        Rows before which the time steps forward by far, and back.
+    witnesses : sequence of Witness
+        What was recorded beside the stream.
+    """
     for _, group in itertools.groupby(sorted(witnesses, key=lambda witness: witness.rank), lambda entry: entry.rank):
         votes = []
         for witness in group:
@@ -181,7 +193,17 @@ def _returning(size: dict[int, int], forward: list[int], back: list[int]) -> set
 
 
 def shares_pause(witness: Witness, place: int, step: int) -> bool:
-    """Return whether a witness paused at a place, ns, for as long as a step, ns."""
+    """Return whether a witness paused at the same place for as long as a step lasts.
+
+    Parameters
+    ----------
+    witness : Witness
+        What was recorded beside the stream.
+    place : int
+        Time of the sample before the step, ns.
+    step : int
+        Length of the step, ns.
+    """
     return any(abs(at - place) < LEAST_STEP and abs(length - step) < LEAST_STEP for at, length in witness.pauses)
 
 
