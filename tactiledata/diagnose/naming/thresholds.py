@@ -34,7 +34,7 @@ import numpy as np
 from tactiledata.arrays import Array, Mask
 
 CLAIM_EVIDENCE: Mapping[str, float] = MappingProxyType({
-    "static_friction": 180.0, "arm_compliance": 40.0, "mount_offset": 40.0, "thickness": 35.0,
+    "static_friction": 220.0, "arm_compliance": 40.0, "mount_offset": 40.0, "thickness": 35.0,
     "strain_stiffening": 35.0, "stem_bending": 30.0, "soft_region": 30.0, "dome": 30.0, "skin": 30.0,
     "area_friction": 30.0, "partial_slip": 30.0, "heating": 20.0, "mullins": 20.0, "wear": 20.0, "pad_edge": 20.0,
     "adhesion": 20.0,

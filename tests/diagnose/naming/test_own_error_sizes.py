@@ -60,6 +60,7 @@ def test_other_sizes_than_the_best_cost_likelihood():
     assert own_size_penalty(best, fit, {}) > 1.0
 
 
+@pytest.mark.slow
 def test_factors_on_forces_do_not_pull_the_modulus_down():
     """Over several draws of factors the mean of E is the truth; with errors in proportion to readings it is too low."""
     ratios, of_readings = [], []
