@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactiledata.arrays import Array
 from tactiledata.calibrate.options import CalibrationOptions
@@ -96,9 +95,10 @@ def read_measured(opened: OpenedStore, options: CalibrationOptions) -> Measured:
         if wrench is None:
             left_out["no contact wrench in the gel frame"] += 1
             continue
-        readings, distinct = reader.free_air(planned)
-        free_air_readings.append(readings)
-        touches.append(_measured(opened, planned, wrench, distinct, reader.readings(planned)))
+        readings = reader.readings(planned)
+        at_rest, distinct = reader.free_air(planned, readings)
+        free_air_readings.append(at_rest)
+        touches.append(_measured(opened, planned, wrench, distinct, readings))
     # too little free air to measure the noise: take the data sheet's
     noise = noise_at_rest(free_air_readings, reader.samples_a_frame(touches), reader.fractions()) or _stated_noise()
     pad = plan.pads[usable[0].pad] if usable else None
@@ -196,29 +196,22 @@ class _WrenchReader:
 
     def readings(self, planned: PlannedTouch) -> ForceReadings | None:
         """Return the samples at the native rate of a touch, timed from its first frame; ``None`` if there are none."""
-        stream = self._stream(planned)
-        if stream is None:
-            return None
-        t_ns, samples = stream
-        return ForceReadings((t_ns - self._frame_t_ns[planned.frames[0]]) / 1e9, samples)
-
-    def _stream(self, planned: PlannedTouch) -> tuple[NDArray[np.int64], Array] | None:
-        """Times (m,), ns, and samples (m, 6), N and N m, of a touch at the native rate; NaN where unknown."""
         spans = self._opened.by_uid[planned.uid]["spans"]
         name = next((name for name in self._names if name in spans), None)
         if name is None:
             return None
         signal = self._store.signal(name)
-        return signal.t_ns(*spans[name]), signal.values(*spans[name])
+        t_ns = signal.t_ns(*spans[name])
+        return ForceReadings((t_ns - self._frame_t_ns[planned.frames[0]]) / 1e9, signal.values(*spans[name]))
 
-    def free_air(self, planned: PlannedTouch) -> tuple[Array, int]:
+    def free_air(self, planned: PlannedTouch, readings_of_touch: ForceReadings | None) -> tuple[Array, int]:
         """Return the samples (n, 6) at the native rate before the touch, and how many of them are new readings."""
-        stream = self._stream(planned)
-        if stream is None:
+        if readings_of_touch is None:
             return np.empty((0, 6)), 0
         # the trajectory's known samples, their rate, and where frames lie between them
-        is_known = np.isfinite(stream[1]).all(axis=1)
-        t_ns, samples = stream[0][is_known], stream[1][is_known]
+        is_known = np.isfinite(readings_of_touch.wrench).all(axis=1)
+        t_ns = np.rint(readings_of_touch.seconds[is_known] * 1e9).astype(np.int64) + self._frame_t_ns[planned.frames[0]]
+        samples = readings_of_touch.wrench[is_known]
         if len(t_ns) > 1:
             self._periods.append(float(np.ptp(t_ns)) / 1e9 / (len(t_ns) - 1))
         self._fractions.append(fractions_between(t_ns, self._frame_t_ns[slice(*planned.frames)]))

@@ -26,23 +26,11 @@ class StoreMotion:
         self._opened, self._store = opened, opened.store
         self._t_ns = opened.frame_t_ns
 
-    def facts(self, planned: PlannedTouch, rows: Indices, seconds: Array | None = None) -> dict[str, Any]:
-        """Return fields of a `Touch`: motion until each frame and ``gel_from_sensor``, as far as they are known.
-
-        Parameters
-        ----------
-        planned : PlannedTouch
-            The trajectory.
-        rows : (n,)
-            Its frames in the store's table of frames.
-        seconds : (n,) s, optional
-            Times of the frames from the trajectory's first one, where they are not those of the store.
-        """
+    def facts(self, planned: PlannedTouch, rows: Indices) -> dict[str, Any]:
+        """Return fields of a `Touch`: motion until each frame and ``gel_from_sensor``, as far as they are known."""
         places = self.places(planned)
-        if seconds is None:
-            seconds = (self._t_ns[rows] - self._t_ns[planned.frames[0]]) / 1e9
-        motion = {} if places is None else moved_until(seconds, *places)
-        return {**motion, **self._sensor(planned, len(rows))}
+        seconds = (self._t_ns[rows] - self._t_ns[planned.frames[0]]) / 1e9
+        return {**({} if places is None else moved_until(seconds, *places)), **self.sensor(planned, len(rows))}
 
     def places(self, planned: PlannedTouch) -> tuple[Array, Array] | None:
         """Return times (m,), s from the first frame, and positions (m, 3), m, of the tip in the gel frame.
@@ -58,8 +46,8 @@ class StoreMotion:
         is_known = np.isfinite(places).all(axis=1)
         return (t_ns[is_known] - self._t_ns[planned.frames[0]]) / 1e9, places[is_known]
 
-    def _sensor(self, planned: PlannedTouch, count: int) -> dict[str, Array]:
-        """Pose of the force sensor in the gel frame (count, 4, 4), metres; empty where it is unknown."""
+    def sensor(self, planned: PlannedTouch, count: int) -> dict[str, Any]:
+        """Return ``gel_from_sensor`` of a `Touch`, (count, 4, 4), m; nothing where the sensor's place is unknown."""
         tcp_from_ft = self._opened.description_of(planned.uid).transform("tcp_from_ft")
         if tcp_from_ft is None or planned.tcp_from_gel is None:
             return {}

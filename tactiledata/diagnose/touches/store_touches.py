@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from tactiledata.diagnose.touches.played_response import PlayedFamily
 from tactiledata.diagnose.touches.rest_means import FrameWrenches, means_at_rest, rest_spans
 from tactiledata.diagnose.touches.touch_case import FEWEST_CASES, FEWEST_FRAMES, TouchCase, TouchSet
 from tactiledata.effects import EFFECTS
+from tactiledata.effects.touch.moved_until import moved_until
 from tactiledata.effects.touch.response import GelVariant
 from tactiledata.effects.touch.touch import Touch
 from tactiledata.errors import TactileDataError
@@ -251,7 +253,9 @@ class _CaseMaker:
         known[1:] &= np.diff(touch.seconds) > 0
         part, rows, poses = plays.part(known), rows[known], touch.touch.poses[known]
         # means of readings where the indenter stands
-        at_frames = self._wrenches(touch, planned, known)
+        places = self.motion.places(planned)
+        at_frames = _wrenches(touch, known, places)
+        motion: dict[str, Any] = {} if places is None else moved_until(at_frames.seconds, *places)
         # covariates
         height = part.height - poses[:, 2, 3]
         earlier = self.facts.earlier(planned, poses[:, :2, 3], rows) if len(rows) else (None, None)
@@ -269,7 +273,8 @@ class _CaseMaker:
             powered=self.facts.powered(planned, rows) if len(rows) else None,
             earlier_depth=earlier[0],
             earlier_contacts=earlier[1],
-            **self.motion.facts(planned, rows, at_frames.seconds),
+            **motion,
+            **self.motion.sensor(planned, len(rows)),
         )
         case = TouchCase(
             at, at_frames.wrench, self.noise, height < -FREE_AIR, touch.free_samples, touch.name,
@@ -277,14 +282,18 @@ class _CaseMaker:
         )  # fmt: skip
         return case, part
 
-    def _wrenches(self, touch: MeasuredTouch, planned: PlannedTouch, known: Mask) -> FrameWrenches:
-        """Wrenches of the known frames (n,) of a touch, averaged where the indenter stands."""
-        frames, wrench, places = touch.seconds[known], touch.wrench[known], self.motion.places(planned)
-        if places is None or touch.readings is None:
-            return FrameWrenches(frames, wrench, np.zeros(len(frames), dtype=np.int64))
-        return means_at_rest(frames, wrench, rest_spans(frames, *places), touch.readings)
-
     @property
     def noise(self) -> WrenchNoise:
         """Noise of a wrench at one frame."""
         return self.measured.noise
+
+
+def _wrenches(touch: MeasuredTouch, known: Mask, places: tuple[Array, Array] | None) -> FrameWrenches:
+    """Wrenches of the known frames (n,) of a touch, averaged where the indenter stands.
+
+    ``places`` are times, s, and positions, m, of the tip.
+    """
+    frames, wrench = touch.seconds[known], touch.wrench[known]
+    if places is None or touch.readings is None:
+        return FrameWrenches(frames, wrench, np.zeros(len(frames), dtype=np.int64))
+    return means_at_rest(frames, wrench, rest_spans(frames, *places), touch.readings)

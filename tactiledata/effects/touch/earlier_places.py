@@ -1,4 +1,4 @@
-"""Where the tip of an indenter was shortly before and after each frame, and wrenches that are read late along its path.
+"""Positions of an indenter's tip shortly before and after each frame, and wrenches that are read late along its path.
 
 Between two frames a tip moves and stands: forces follow its path, not the time. A wrench of some milliseconds ago is
 that of the place where the tip was then.

@@ -20,7 +20,7 @@ def touches():
 
 
 def with_factor(touches, factor):
-    """The same trajectories, every second frame with this deviation of its noise."""
+    """Return the trajectories with this factor on the deviation of the noise in every second frame."""
     cases = []
     for case in touches.touches:
         factors = np.ones(len(case.touch))
@@ -37,7 +37,7 @@ def squares(touches):
 
 
 def test_half_the_deviation_is_four_times_the_square(touches):
-    """Of a residual in free air, frame by frame; the other frames stay as they are."""
+    """In free air, a frame with half the deviation has four times the squared residual; other frames keep theirs."""
     plain, halved = squares(with_factor(touches, 1.0)), squares(with_factor(touches, 0.5))
     ratios = halved / plain
     is_halved = np.isclose(ratios, 4.0, rtol=1e-6)
