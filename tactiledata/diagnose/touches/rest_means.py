@@ -74,14 +74,13 @@ def rest_spans(frames: Array, seconds: Array, places: Array) -> Array:
     jitter = position_jitter(places)
     if len(seconds) < 2 or jitter > LARGEST_JITTER:
         return spans
-    limit = STILL + 4.0 * jitter
     # halfway to the neighbouring frames
     middles = (frames[1:] + frames[:-1]) / 2
     lower, upper = np.concatenate([[-np.inf], middles]), np.concatenate([middles, [np.inf]])
     for place, time in enumerate(frames):
         if not seconds[0] <= time <= seconds[-1]:
             continue
-        rest = _rest_about(time, seconds, places, limit)
+        rest = _rest_about(time, seconds, places, jitter)
         if not rest.start <= time <= rest.end + rest.unseen_start:
             continue
         since = max(rest.stop, seconds[0] - LONGEST / SHARE_OF_REST)
@@ -114,25 +113,51 @@ class _Rest:
     unseen_start: float
 
 
-def _rest_about(time: float, seconds: Array, places: Array, limit: float) -> _Rest:
-    """Return the rest at a time, for which the tip stays within a distance ``limit``, m; it is empty in a move."""
+def _rest_about(time: float, seconds: Array, places: Array, jitter: float) -> _Rest:
+    """Return the rest at a time; it is empty in a move.
+
+    Parameters
+    ----------
+    time : s
+        The time.
+    seconds : (m,) s
+        Times of the positions.
+    places : (m, 3) m
+        Positions of the tip.
+    jitter : m
+        Standard deviation of their noise.
+    """
+    limit = STILL + 4.0 * jitter
     here = int(np.argmin(np.abs(seconds - time)))
-    away = np.sqrt(((places - places[here]) ** 2).sum(axis=1))
-    beyond = np.flatnonzero(away > limit)
-    before, after = beyond[beyond < here], beyond[beyond > here]
+    # a single position has noise of its own: from the median of those about it, a move is seen sooner
+    first, last = _within(limit, _distances(places, places[here]), here)
+    away = _distances(places, np.median(places[first : last + 1], axis=0))
+    first, last = _within(limit, away, here)
     stop, start, end, unseen_start = -np.inf, float(seconds[0]), float(seconds[-1]), 0.0
-    if len(before):
-        stop = float(seconds[before[-1] + 1])
-        start = stop + SETTLED + limit / _speed(away - limit, seconds, stop - SPEED_WINDOW)
-    if len(after):
-        move = float(seconds[after[0] - 1])
-        unseen_start = BEFORE_MOVE + limit / _speed(away - limit, seconds, move + SPEED_WINDOW)
+    if first > 0:
+        stop = float(seconds[first])
+        start = stop + SETTLED + limit / _speed(away - limit, jitter, seconds, stop - SPEED_WINDOW)
+    if last < len(seconds) - 1:
+        move = float(seconds[last])
+        unseen_start = BEFORE_MOVE + limit / _speed(away - limit, jitter, seconds, move + SPEED_WINDOW)
         end = move - unseen_start
     return _Rest(stop, start, end, unseen_start)
 
 
-def _speed(away: Array, seconds: Array, at: float) -> float:
-    """Return the mean speed, m/s, of a move between where it is seen and ``SPEED_WINDOW`` before or after.
+def _distances(places: Array, middle: Array) -> Array:
+    """Return the distances (m,), m, of positions (m, 3) from a position (3,)."""
+    return np.asarray(np.linalg.norm(places - middle, axis=1))
+
+
+def _within(limit: float, away: Array, here: int) -> tuple[int, int]:
+    """Return the first and the last index about ``here`` between which every distance (m,) is at most ``limit``, m."""
+    beyond = np.flatnonzero(away > limit)
+    before, after = beyond[beyond < here], beyond[beyond > here]
+    return int(before[-1]) + 1 if len(before) else 0, int(after[0]) - 1 if len(after) else len(away) - 1
+
+
+def _speed(away: Array, jitter: float, seconds: Array, at: float) -> float:
+    """Return the least mean speed, m/s, that a move has between where it is seen and ``SPEED_WINDOW`` before or after.
 
     It is at least ``SLOWEST``.
 
@@ -140,12 +165,14 @@ def _speed(away: Array, seconds: Array, at: float) -> float:
     ----------
     away : (m,) m
         Distance from where the move is seen first or last.
+    jitter : m
+        Standard deviation of the noise of a position.
     seconds : (m,) s
         Times of the positions.
     at : s
         The time.
     """
-    return max(float(np.interp(at, seconds, away)) / SPEED_WINDOW, SLOWEST)
+    return max((float(np.interp(at, seconds, away)) - 3.0 * jitter) / SPEED_WINDOW, SLOWEST)
 
 
 def position_jitter(places: Array) -> float:
