@@ -1,0 +1,162 @@
+"""Whether a force sensor reads small loads as zero: how often each number occurs among its readings.
+
+Noise and moves bring every small load into the readings. A sensor with a dead-band reads 0 in place of them: 0 occurs
+far too often, and on both sides of it numbers are missing. No force of a gel, and no error of a simulation, does that.
+The readings are those of the log, in the sensor's own frame: an offset or a rotation would hide the band.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from tactiledata.arrays import Array, Mask
+from tactiledata.diagnose.residuals.residuals import joined_names
+from tactiledata.diagnose.residuals.wording import percent, quantity
+
+AXES = ("fx", "fy", "fz", "tx", "ty", "tz")
+"""Components of a wrench."""
+KINDS: Mapping[str, tuple[str, slice]] = {"force": ("N", slice(0, 3)), "torque": ("N m", slice(3, 6))}
+"""Unit and components of forces and of torques."""
+FEWEST_BESIDE = 100
+"""Fewest readings on either side beyond a gap."""
+EMPTY = 0.5
+"""Largest density of readings in a gap, as a share of that beyond it. About one centre it is never below 1 on both
+sides."""
+CROWDED = 0.5
+"""Least number of zeros, as a share of the readings that the density beyond the gap would put in its place."""
+FEW = 0.01
+"""Share of the density beyond a gap below which the readings in it are strays, not a border."""
+FEWEST_AXES = 2
+"""Fewest components of one kind that must show a dead-band; one alone may be broken otherwise."""
+DIGITS = 9
+"""Digits after the point to which numbers count as equal, in N or N m."""
+WIDTHS = 60
+"""Widths that are tried, at even distances of their logarithm."""
+
+
+@dataclass(frozen=True)
+class DeadBand:
+    """Load on an axis below which a force sensor reads 0.
+
+    Parameters
+    ----------
+    band : dict, kind -> N or N m
+        Half width of the dead-band of ``"force"`` and ``"torque"``, for the kinds that show one.
+    axes : tuple of str
+        Components that show it.
+    zeros : float
+        Share of the readings of these components that are exactly 0.
+    """
+
+    band: Mapping[str, float]
+    axes: tuple[str, ...]
+    zeros: float
+
+    @property
+    def words(self) -> str:
+        """What was found, as sentences for the user."""
+        widths = joined_names([f"{quantity(self.band[kind], KINDS[kind][0])} ({kind})" for kind in self.band])
+        return (
+            f"The force sensor reads small loads as 0, up to {widths}: {percent(self.zeros)} of the readings of"
+            f" {joined_names(self.axes)} are exactly 0, and the numbers beside 0 are missing. Small forces are lost."
+            " Switch the dead-band of the sensor or its driver off."
+        )
+
+    @property
+    def document(self) -> dict[str, object]:
+        """The dead-band as it stands in ``diagnosis.json`` (schemas/diagnosis.json)."""
+        return {
+            "effect": "quantisation",
+            "bands": dict(self.band),
+            "axes": list(self.axes),
+            "zeros": self.zeros,
+            "words": self.words,
+        }
+
+
+def find_dead_band(readings: Sequence[Array]) -> DeadBand | None:
+    """Return the dead-band that readings of a force sensor show; ``None`` where they show none.
+
+    Parameters
+    ----------
+    readings : sequence of (m, 6) N, N m
+        Readings of each trajectory as they were logged, sensor's frame; readings that are not finite are left out.
+    """
+    rows = np.concatenate([*readings, np.empty((0, 6))])
+    rows = rows[np.isfinite(rows).all(axis=1)]
+    bands, axes = {}, []
+    for kind, (_, columns) in KINDS.items():
+        of_axes = {
+            name: band
+            for name, column in zip(AXES[columns], rows[:, columns].T, strict=True)
+            if (band := _band_of(column)) is not None
+        }
+        if len(of_axes) >= FEWEST_AXES:
+            bands[kind] = float(np.median(list(of_axes.values())))
+            axes += list(of_axes)
+    if not bands:
+        return None
+    shown = rows[:, [AXES.index(name) for name in axes]]
+    return DeadBand(bands, tuple(axes), float((shown == 0).mean()))
+
+
+def _band_of(column: Array) -> float | None:
+    """Return the half width of the gap about 0 in one component (m,), in its unit; ``None`` where there is none.
+
+    A gap of half width b is emptier than the numbers from b to 2 b on either side, and zeros stand in for what is
+    missing in it. Of the widths for which that is so, the one with the emptiest gap is taken. The half width that is
+    returned is the size of the smallest readings, strays left out.
+    """
+    sizes = np.abs(column[column != 0])
+    count = len(column) - len(sizes)
+    if count < FEWEST_BESIDE or len(sizes) < 2 * FEWEST_BESIDE:
+        return None
+    low, high = float(sizes.min()), float(np.quantile(sizes, 0.9))
+    if not low < high:
+        return None
+    widths = np.geomspace(low, high, WIDTHS)
+    step = _step_of(column)
+    if step > 0:
+        # borders halfway between two numbers that occur
+        widths = step * (np.unique(np.maximum(np.floor(widths / step), 1)) + 0.5)
+    shares = np.array([_share_within(column, width) for width in widths])
+    crowded = np.array([count >= CROWDED * _density(column, width) * 2.0 * width for width in widths])
+    is_gap: Mask = (shares <= EMPTY) & crowded
+    if not is_gap.any():
+        return None
+    best = widths[is_gap][np.argmin(shares[is_gap])]
+    smallest = np.sort(sizes)
+    is_border = np.arange(1, len(smallest) + 1) > FEW * 2.0 * _density(column, best) * smallest
+    return float(smallest[np.argmax(is_border)])
+
+
+def _step_of(column: Array) -> float:
+    """Return the step between the numbers that occur in a component, in its unit; 0 where nearly all numbers differ."""
+    numbers = np.unique(np.round(column, DIGITS))
+    return float(np.diff(numbers).min()) if 2 * len(numbers) < len(column) else 0.0
+
+
+def _between(column: Array, low: float, high: float) -> Array:
+    """Return the numbers (2,) of readings of a component between two sizes, low excluded, below and above 0."""
+    sizes = np.abs(column)
+    inside = (sizes > low) & (sizes <= high)
+    return np.array([(inside & (column < 0)).sum(), (inside & (column > 0)).sum()])
+
+
+def _share_within(column: Array, width: float) -> float:
+    """Return the density of readings within a half width, as a share of that up to twice as far: the larger side.
+
+    Infinite where there are too few readings beyond.
+    """
+    beyond = _between(column, width, 2.0 * width)
+    if beyond.min() < FEWEST_BESIDE:
+        return np.inf
+    return float((_between(column, 0.0, width) / beyond).max())
+
+
+def _density(column: Array, width: float) -> float:
+    """Return the mean number of readings for each unit of a component from a half width up to twice as far."""
+    return float(_between(column, width, 2.0 * width).mean() / width)
