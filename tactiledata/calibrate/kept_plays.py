@@ -44,6 +44,10 @@ class Play:
 def play_path(touch: GelTouch, mesh_digest: str, mechanics: str, ratio: float, friction: float) -> Path:
     """Return the file of the cache in which a play is kept; its name is a hash of all that the play depends on.
 
+    That is all parameters below and the program of ``gel`` and ``indenters``, without its comments and docstrings.
+    Young's modulus is not part of it: wrenches are kept over Young's modulus. A contact offset or a shift along the gel
+    changes the poses.
+
     Parameters
     ----------
     touch : GelTouch

@@ -3,11 +3,12 @@
 - ``records``, ``description``, ``take``: a recording as read, what it says of itself, and what a store is given.
 - ``schema``, ``sealed``, ``provenance``, ``atomic``, ``paths``: documents: checked, digested, written whole, kept
   inside.
-- ``image_bytes``, ``picture_kinds``, ``image_sizes``, ``image_batches``: pictures, decoded in one way within one
-  limit.
+- ``image_bytes``: pictures, decoded in one way, and the limit of their decoded size. ``picture_kinds``: those that are
+  not 8-bit RGB. ``image_sizes``: strays in size. ``image_batches``: how many are read at once.
 - ``tensor_files``, ``lfs_pointer``: files from strangers. ``simulated``, ``wording``: words that are the same
   everywhere.
-- ``progress``, ``worker_pool``: long work: who watches, and processes that end with their parent.
+- ``progress``, ``worker_pool``: long work: who watches, and processes that end with their parent. ``program``: source
+  code as bytes for a digest, without words about it.
 
 Of the project it imports ``arrays``, ``errors``, ``transforms`` and ``units`` only; every package above may import it.
 """

@@ -15,5 +15,6 @@ What a store passes through, room by room, in the order of ``diagnose_store``:
 8. ``answer``: the verdict on the store, sentences, pages and documents; no other room writes a page or a JSON document.
 
 A table passes through ``table_input`` (columns as residuals), ``formula`` (which runs ``locate``) and ``answer``.
-``residuals`` holds the statistics that all these rooms share: their sampling unit is a whole trajectory.
+``residuals`` holds the statistics that all these rooms share: their sampling unit is a whole trajectory. ``verdict``
+has the only words that a verdict may be.
 """

@@ -36,7 +36,9 @@ def mechanics_of(engine: str, fidelity: str) -> Mechanics:
 
 
 def make_engine(mesh: PadMesh, poisson_ratio: float, mechanics: Mechanics) -> FemEngine | FlexEngine:
-    """Make the engine for a pad.
+    """Return the engine that simulates touches of a pad; it is assembled for this mesh and Poisson's ratio.
+
+    Young's modulus and friction are given later, with the touches.
 
     Parameters
     ----------
@@ -44,8 +46,15 @@ def make_engine(mesh: PadMesh, poisson_ratio: float, mechanics: Mechanics) -> Fe
         Mesh of the pad.
     poisson_ratio : float
         0 to below 0.5.
-    mechanics : str
-        Engine and fidelity.
+    mechanics : "finite-strain", "linear" or "mujoco-flex"
+        The finite-element engine at finite strain or linear, or MuJoCo's soft body; `mechanics_of` makes it of the
+        options of a command.
+
+    Raises
+    ------
+    UsageError
+        An unknown name, or a Poisson's ratio out of range; for ``mujoco-flex``, MuJoCo is not installed, or the pad is
+        not made of hexahedra.
     """
     if mechanics == "mujoco-flex":
         from tactiledata.gel.flex.engine import FlexEngine

@@ -5,6 +5,7 @@ Read in this order:
 - ``options``, ``status``: what a user chooses, and why a frame has no mesh;
 - ``plan``, ``geometry``, ``poses``: which trajectories can be simulated, with which pad, indenter and poses;
   ``chosen_frames``: which frames stand for a long trajectory;
+- ``opened``: a store with its plan, as replay, ``calibrate`` and ``diagnose`` read it;
 - ``solve``, ``attach``: one run of trajectories, and all runs committed to the store in order;
 - ``effect_touches``, ``store_facts``, ``store_motion``: the inputs of effects (missing physics) from a store;
 - ``effect_rounds``, ``played_answer``, ``effect_words``: simulation with effects, and their names on pages;

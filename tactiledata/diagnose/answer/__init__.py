@@ -1,7 +1,9 @@
 """The words, pages and documents of a diagnosis.
 
 Results of the other rooms enter; sentences, `report.html`, `diagnosis.json` and `effects.json` leave. Nothing is fitted
-or tested here. Read the modules in this order:
+or tested here. The page of a store begins with the causes that its zeros follow (words of `zeros.causes`), then says
+what is missing (`sentences`) and what speaks against that (`unseen_page`); `naming_page` puts them in order. The page
+of a table begins with the words of `formula.explain`. Read the modules in this order:
 
 - `sentences`: what is missing, and with which numbers? (`Answer`)
 - `diagnosis`: what does the diagnosis of a store hold, and what is its verdict?

@@ -86,9 +86,11 @@ def table_document(table: Table, explanation: Explanation, digest: str, seed: in
 
 
 def errors(table: Table, explanation: Explanation) -> list[dict[str, Any]]:
-    """Return the root mean square of each component, in its unit, on groups that had no part in the formula.
+    """Return the errors of a table's predictions without and with the formula, as the part ``errors`` of a document.
 
-    Empty where there is no formula, or the size of the noise is not known.
+    There is one row for each component: its name, its unit, and the root mean square of its residual ``before`` (with
+    no formula) and ``after``, in that unit, on groups that had no part in choosing or fitting the formula. The list is
+    empty where there is no formula, or the size of the noise is not known.
     """
     held, residuals = explanation.held, table.residuals
     if held is None or residuals.deviations is None:

@@ -27,7 +27,19 @@ MOST_CELLS = 40
 
 
 def findings(located: LocatorResults, most: int = 10) -> list[dict[str, Any]]:
-    """Return the certain findings of each certain locator, at most ``most`` of each, as rows of a document."""
+    """Return the certain findings of each certain locator as rows of a document.
+
+    A locator is certain where its p-value, corrected for the number of locators, is at most `LEVEL`; a finding is
+    certain where its own p-value, which holds within its locator, is. A row holds ``locator`` (its name), ``p`` and
+    ``words``, and what else the locator states, such as ``parameter`` and ``covariate``.
+
+    Parameters
+    ----------
+    located : LocatorResults
+        Results of all locators.
+    most : int
+        Most rows of one locator: the first ones in its own order.
+    """
     rows: list[dict[str, Any]] = []
     for locator, listed in _by_locator(located):
         if located.is_certain(locator):
@@ -239,7 +251,17 @@ def event_picture(
 
 
 def map_picture(region: RegionMap, note: str = "") -> MapPicture:
-    """Return the picture of a map; departures are in per cent where the parameter's value is known."""
+    """Return the picture of a map; departures are in per cent where the parameter's value is known.
+
+    Places where the statistic lies outside the band of chance are marked.
+
+    Parameters
+    ----------
+    region : RegionMap
+        Map of one parameter over the gel.
+    note : str
+        Follows the name of the parameter in the title.
+    """
     parameter, scale, unit = region.change.parameter, 1.0, region.change.parameter.unit
     if region.change.is_relative:
         scale, unit = 100.0 / abs(parameter.value), "%"

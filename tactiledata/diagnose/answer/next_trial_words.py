@@ -65,7 +65,10 @@ def next_trials_document(
     indenters: Entries | None = None,
     is_more_left: bool = False,
 ) -> dict[str, Any]:
-    """Return the part ``next_trials`` of ``schemas/diagnosis.json``, without trials that change hardly anything.
+    """Return the part ``next_trials`` of ``schemas/diagnosis.json``: sentences, and the trials with their scenarios.
+
+    A trial is left out where it separates no pair of explanations and lowers the probability of taking one for the
+    other by less than `WORTH` on average. At most `MOST` trials are listed.
 
     Parameters
     ----------
@@ -74,7 +77,7 @@ def next_trials_document(
     sensors, indenters : dict, name -> entry of a scenario, optional
         Entries of one's own for the scenarios, as `trial_scenario` takes them.
     is_more_left : bool
-        Whether the best explanation leaves structure.
+        Whether the best explanation leaves structure; where nothing is to be separated, a sentence then says so.
     """
     worth = [proposal for proposal in proposals if proposal.gain >= WORTH or proposal.separates][:MOST]
     return {

@@ -32,7 +32,12 @@ FEW = 3
 
 
 def shown_sentences(shown: HeldOutComparison) -> list[str]:
-    """Return sentences on held-out errors, on dependences before and after, on what is left and on the black box."""
+    """Return sentences on how much better the simulation is on data that had no part in the fit.
+
+    In this order: the errors of force and torque with and without the claimed effects (or that none is claimed), the
+    strongest drift of a parameter before and after, what locators still find, how much a black box (boosted trees)
+    could explain, and errors of the simulation that the plain fit makes unusually large.
+    """
     sentences = _gained(shown) if shown.names else _unclaimed(shown)
     if shown.flattened is not None:
         sentences.append(_flattened(shown))

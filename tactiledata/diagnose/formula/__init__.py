@@ -2,7 +2,7 @@
 
 The residuals of any simulation enter. No gel and no catalogue of effects is needed. Read the modules in this order:
 
-- `terms`: which dimensionless numbers can be built from the covariates?
+- `terms`: which dimensionless numbers can be built from the covariates (ratios, logarithms, memories, relaxations)?
 - `candidates`: what may each number multiply (a parameter or a component), and which products are tried?
 - `shifted`: would a shift of a measured length explain the residual?
 - `select`: which candidates do halves of the trajectories choose again and again?

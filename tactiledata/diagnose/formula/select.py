@@ -64,7 +64,11 @@ def halves(units: int, rng: np.random.Generator, pairs: int = PAIRS) -> Array:
 
 
 def pursue(scores: Array, grams: Array, picks: int = PICKS) -> Indices:
-    """Return the terms (b, picks) that orthogonal matching pursuit picks in b problems of m terms at once.
+    """Return which terms (b, picks) orthogonal matching pursuit picks, in b problems of m terms at once.
+
+    Terms are numbered from 0 to m - 1. Each pick is the term that lowers the squared residual most after the picks
+    before it; they stand in the order in which they are picked. Where the picks before leave nothing of any term, as
+    where ``picks`` is larger than m, the number that is returned has no meaning.
 
     Parameters
     ----------
@@ -190,12 +194,18 @@ class Accepted:
 
 
 def choose(residuals: Residuals, candidates: Candidates, seed: int = 0) -> tuple[list[Accepted], float]:
-    """Return the candidates that are chosen stably and are certain, and the bound of false ones.
+    """Return the candidates that become terms, and an upper bound of the expected number of false terms.
+
+    A candidate becomes a term where at least `THRESHOLD` of random halves of the trajectories choose it, or one that
+    is nearly the same, and where its p-value against all candidates, after the terms before it, is at most `LEVEL`.
+    The first that fails the p-value ends the list, which has `MOST_TERMS` terms at most.
 
     Parameters
     ----------
     residuals : Residuals
+        What the terms are to explain.
     candidates : Candidates
+        All terms that may be chosen, of the same residuals.
     seed : int
         Draws halves and sign flips.
 

@@ -56,9 +56,11 @@ def _slope_definition(of: str, covariate: str, unit: str) -> str:
 
 
 def slope_inside(predicted: Array, values: Array, residuals: Residuals) -> Array | None:
-    """Return the slope (n,) of a prediction over a covariate inside each group.
+    """Return the slope (n,) of a prediction over a covariate at each row, along a smooth curve through its group.
 
-    ``None`` where the covariate alone explains less than `FOLLOWED` of the prediction's variance inside groups.
+    Its unit is that of the prediction over that of the covariate. It is 0 in a group with fewer than `FEWEST_PLACES`
+    values of the covariate. ``None`` where the covariate alone explains less than `FOLLOWED` of the prediction's
+    variance inside groups.
 
     Parameters
     ----------

@@ -60,14 +60,16 @@ class RegionMap:
 def region_maps(
     projection: ProjectedResiduals, across: str = "x", up: str = "y", seed: int = 0, draws: int = DRAWS
 ) -> tuple[RegionMap, ...]:
-    """Return a map of each tested parameter over two covariates, the most certain first.
+    """Return a map of each tested parameter over two covariates, the one with the smallest p-value first.
 
+    A map shows by how much the parameter departs from its common value around each place on the gel. The tested
+    parameters are those that all trajectories share and that `ResidualParameter.is_tested` marks, such as E and mu.
     Without one of the covariates, or where they span less than two places, there are no maps.
 
     Parameters
     ----------
     projection : ProjectedResiduals
-        Residuals after the refit.
+        Residuals after the refit of the shared parameters.
     across, up : str
         Covariates along the map's horizontal and vertical axis, in the same unit.
     seed : int

@@ -110,7 +110,10 @@ def series_of(projection: ProjectedResiduals, order_by: str) -> list[Series]:
 def change_points(
     projection: ProjectedResiduals, order_by: str = "index", seed: int = 0, draws: int = DRAWS
 ) -> tuple[ChangePoint, ...]:
-    """Return steps of the tested parameters along a covariate, the most certain first; none without `can_step`.
+    """Return steps of the tested parameters from one trajectory to the next, the one with the smallest p-value first.
+
+    There are none where steps cannot be tested (`can_step`): the covariate is missing, or trajectories are exchanged in
+    larger blocks. Tested parameters are those that all trajectories share and that `ResidualParameter.is_tested` marks.
 
     Parameters
     ----------

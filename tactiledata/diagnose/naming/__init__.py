@@ -5,16 +5,16 @@ Read in this order:
 1. `strength`, `parameters`: the numbers of an effect; everything that one fit determines, as a vector.
 2. `metric`: how far two changes of the data are alike, once what a refit could imitate is taken out of both.
 3. `signatures`: what each effect would change. `screen`: how much of the residual it would explain, without a refit.
-4. `linearise`, `joint_fit`: the fit of material, effects and all nuisance parameters together. A fit is settled when
-   its errors of the simulation, which are shares of simulated forces, are those about itself.
+4. `linearise`, `joint_fit`: the fit of E, nu and mu, effects and all nuisance parameters together. A fit is settled
+   when its errors of the simulation, which are shares of simulated forces, are those about itself.
    `error_sizes`: how large these errors are, for each indenter, from the data at hand.
    `own_error_sizes`: how large those of single touches are, and which touches do not belong to the others.
    `refit`: which effects and pairs of effects are fitted in this way.
 5. `held_out`: how well fits predict data they have not seen. `remaining_structure`: whether the best fit leaves more
    than noise.
 6. `agreement`: how well trajectories agree on an effect. `evidence`: gain, evidence and signature of a candidate, and
-   the objections to it. `thresholds`: the numbers that a claim needs, and where they come from. `decide`: the answer
-   and its ties.
+   the objections to it. `thresholds`: the evidence that a claim of each effect needs, the other numbers of a claim,
+   and where they come from. `decide`: the answer and its ties.
 7. `intervals`, `identifiability`, `simulator_share`: how certain the numbers are, what these data could show at all,
    what the fit attributes to errors of the simulation.
 8. `options`, `name_effects`: the choices, and all steps in order. `rivals`: which explanations the answer leaves open.

@@ -191,6 +191,9 @@ def step_bounds(model: JointModel) -> tuple[Array, Array]:
 def offset_steps(own: Array, residual: Array, starts: Indices, squares: Array, now: Array) -> Array:
     """Return by how much each trajectory's contact offset (t,) should move, in standard deviations of its prior.
 
+    This is the minimum over the offset of each trajectory alone, its prior included, to first order. An offset above 0
+    is a contact that is deeper than recorded.
+
     Parameters
     ----------
     own : (N, 6)

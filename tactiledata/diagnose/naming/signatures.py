@@ -86,7 +86,10 @@ def shape_grids(effect: Effect) -> Iterator[dict[str, float]]:
 
 
 def strengths_of(effect: Effect) -> tuple[Parameter, ...]:
-    """Return the parameters with a null value, at which the effect is absent."""
+    """Return the strengths of an effect: its parameters with a null value, at which the effect is absent.
+
+    Its other parameters are shapes, such as a time constant: they say in which form the effect acts.
+    """
     return tuple(parameter for parameter in effect.parameters if parameter.null is not None)
 
 
@@ -101,7 +104,10 @@ def deviation_of(parameter: Parameter) -> float:
 
 
 def playable(whitened: WhitenedTouches, names: Iterable[str] | None = None) -> tuple[list[str], list[str]]:
-    """Return the effects whose needed covariates all touches have, and the effects for which some are missing.
+    """Return the names of the effects that can be tried in these touches, and of those that cannot.
+
+    An effect can be tried where every touch states what the effect needs (`Effect.needs`), such as joint angles. Both
+    lists have the order of the candidates.
 
     Parameters
     ----------

@@ -48,7 +48,16 @@ def simulator_share(whitened: WhitenedTouches, fit: JointFit) -> list[SimulatorE
 
 
 def simulator_share_words(errors: list[SimulatorError]) -> list[str]:
-    """Return one sentence on indenters whose simulated forces are off by at least ``TOLD``; empty where none are."""
+    """Return a list with one sentence that names every indenter whose simulated forces are off by at least ``TOLD``.
+
+    Only the error that is one share of all forces of an indenter counts. The list is empty where no indenter's forces
+    are off by that much.
+
+    Parameters
+    ----------
+    errors : list of SimulatorError
+        As `simulator_share` returns them.
+    """
     large = [error for error in errors if error.kind == KINDS[0].what and abs(error.share) >= TOLD]
     if not large:
         return []

@@ -94,7 +94,7 @@ def dwell(seconds: float, frames: int) -> dict[str, dict[str, Any]]:
 
 
 def shear(x: float, y: float, speed: float, step: float = ONE_MOVE, settle: float = 0.0) -> dict[str, dict[str, Any]]:
-    """Return the step that moves the indenter along the gel.
+    """Return the step ``shear`` of ``schemas/scenario.json``, which moves the indenter along the gel.
 
     Parameters
     ----------

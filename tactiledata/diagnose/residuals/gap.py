@@ -83,7 +83,16 @@ def gap_closed(before: Array, after: Array, counts: Array, floor: float, seed: i
 
 
 def is_improved(before: Array, after: Array) -> bool:
-    """Return whether the sums of squares (u,) fell from before to after, by a one-sided t-test at 2.5 % over units."""
+    """Return whether a correction lowers the squared residuals for certain.
+
+    The test is a one-sided t-test at 2.5 % that the mean fall over the units of exchange is above 0; at least two units
+    are needed.
+
+    Parameters
+    ----------
+    before, after : (u,)
+        Sum of squared residuals of each unit of exchange, without and with the correction.
+    """
     gained = before - after
     if not gained.any():
         return False

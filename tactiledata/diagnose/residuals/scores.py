@@ -154,7 +154,10 @@ def contributions(projection: ProjectedResiduals, place: int, instruments: Array
 
 
 def along(projection: ProjectedResiduals, direction: Array, instruments: Array) -> Contributions:
-    """Return scores of fields ``instrument * direction``, made orthogonal to all shared and own parameters.
+    """Return the scores of c alternatives, in each of which a parameter or a component varies as an instrument says.
+
+    The field of an alternative, ``instrument * direction``, is made orthogonal to all shared parameters and to the
+    trajectories' own, so that nothing counts that a refit of these could imitate.
 
     Parameters
     ----------

@@ -33,8 +33,9 @@ OF_THE_GEL: Mapping[str, float] = {
 def scatter_beyond_noise(sizes: Array, variances: Array) -> float:
     """Return the standard deviation e by which sizes (c,) scatter beyond the variances (c,) that noise gives them.
 
-    It solves ``mean(sizes^2 / (variances + e^2)) = 1``; 0 where noise alone explains the scatter. Source: the moment
-    estimator of a variance component (Paule and Mandel, J. Res. NBS 87, 1982).
+    It solves ``mean(sizes^2 / (variances + e^2)) = 1``: the sizes are taken to scatter about 0. It is 0 where noise
+    alone explains the scatter, and has the unit of the sizes. Source: the moment estimator of a variance component
+    (Paule and Mandel, J. Res. NBS 87, 1982).
     """
 
     def excess(e: float) -> float:
@@ -106,13 +107,19 @@ def slide_ways(white: WhitenedTouches) -> dict[str, Array]:
 
 
 def signature_fields(white: WhitenedTouches, fit: JointFit, effects: Sequence[str]) -> dict[str, Array]:
-    """Return the whitened change (n, 6) of residuals by each strength of each effect, by title and strength.
+    """Return what each effect changes in the n rows of `case_residuals`, as whitened changes (n, 6) of the wrench.
+
+    Each change is that over one prior standard deviation of one strength, about the fit. Its key names the effect's
+    title and the strength, and the values of the shape parameters where the effect has any:
+    ``"viscoelastic relaxation (share, time 3)"``. Each choice of shapes has an entry of its own. A strength that
+    changes nothing in these touches has none.
 
     Parameters
     ----------
     white : WhitenedTouches
+        All trajectories.
     fit : JointFit
-        The fit whose residuals they are.
+        The fit about which effects are changed; the strengths of its own effects stay as fitted.
     effects : sequence of str
         Names in the catalogue of effects.
     """

@@ -92,6 +92,13 @@ def zero_causes(zeros: ForceZeros, seed: int = 0) -> list[ZeroCause]:
     The zero changes at each moment at which the sensor was tared; the mean of each stretch between two such moments is
     subtracted. Causes are added one after another. Each must predict trajectories that it was not fitted to, and must
     fit better than after a permutation of the trajectories.
+
+    Parameters
+    ----------
+    zeros : ForceZeros
+        Mean readings in free air, as `read_zeros` returns them.
+    seed : int
+        Random seed of the permutations.
     """
     if zeros.trajectories < FEWEST:
         return []

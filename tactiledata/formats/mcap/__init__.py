@@ -8,5 +8,5 @@
   messages. ``message_fields``: paths to the fields of a message.
 - ``collect``, ``images``, ``transform_tree``, ``describe``: signals, pictures, poses and the description.
 - ``tally``, ``contents``, ``likely_fields``, ``unread_topics``, ``mapping_draft``: ``inspect``, and a mapping to
-  start from.
+  start from. ``passed_over``: topics that could be a stream that is lacking, and are not read.
 """

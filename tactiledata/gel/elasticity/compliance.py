@@ -177,9 +177,17 @@ def _solve_response(pad: FactorisedPad, surface: ContactSurface) -> NDArray[np.f
 
 
 def patch_compliance(response: NDArray[np.float32], surface: ContactSurface) -> NDArray[np.float32]:
-    """Mean displacements of patches under unit patch forces: (m, m, 3, 3), 1/m; block (i, j) maps a force on j to i.
+    """Return the mean displacement of each patch by a unit force on each patch (m, m, 3, 3), 1/m.
 
-    ``response`` is that of ``surface_response``; the result is made symmetric.
+    Block (i, j) maps a force on patch j to the displacement of patch i, for a Young's modulus of 1. The result is made
+    symmetric.
+
+    Parameters
+    ----------
+    response : (s, 3, m, 3) 1/m
+        Displacements of the s surface nodes by unit forces on the m patches, as `surface_response` returns them.
+    surface : ContactSurface
+        Nodes and patches of the same pad.
     """
     count = len(surface.corners)
     flat = surface.averaging.astype(np.float32) @ response.reshape(len(surface.nodes), -1)

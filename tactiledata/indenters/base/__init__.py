@@ -3,7 +3,7 @@
 - `Indenter`: the interface, which solver, rig and pages use.
 - `ParametricIndenter`: an indenter whose dataclass fields are its sizes, with the checks of the sizes.
 - ``planar``: exact signed distances of plane figures, and of the solids that they sweep.
-- ``surface``: watertight meshes of swept and revolved figures.
+- ``surface``: watertight meshes of swept and revolved figures. ``turned``: how far a turned solid reaches down.
 
 Nothing here knows a member of the family.
 """

@@ -3,6 +3,7 @@
 - ``checks``: the one entry before a commit; it calls the others.
 - ``plausible``, ``units_seen``: stated numbers and signals that are most likely in another unit.
 - ``apart``: streams that do not belong together. ``image_sizes``: stray pictures among those of a sensor.
+- ``blank_images``: images of one colour. ``background_seen``: images beside the picture without contact.
 - ``spooled``: pictures that wait for their commit, read back for these checks.
 - ``twins``, ``conflicts``: what is known only beside other recordings and the store.
 """

@@ -49,7 +49,9 @@ class BelievedTimes:
 def judge_steps(
     stream: str, t_ns: Times, values: Values, witnesses: Sequence[Witness], lost: str = LEFT_OUT
 ) -> BelievedTimes:
-    """Samples without those whose clock had jumped.
+    """Return which samples of a stream have a time that can be believed: not those after its clock jumped.
+
+    Steps of the clock are looked for here; `witnesses.jumps_by_vote` decides which of them are jumps.
 
     Parameters
     ----------

@@ -32,12 +32,14 @@ CREASE = 1.2e-5
 def surface(
     footprint: Footprint, offset: tuple[float, float], depth: float, drag: tuple[float, float], h: float
 ) -> Map:
-    """Return the height (n_y, n_x), metres, gel z, of the deformed surface; zero where the gel is at rest.
+    """Return the height (n_y, n_x), metres, gel z, of the deformed surface at the points of the footprint's grid.
+
+    It is 0 where the gel is at rest, negative where the gel is pressed in, and positive where displaced gel piles up.
 
     Parameters
     ----------
     footprint : Footprint
-        The turned indenter over the gel.
+        The turned indenter over the gel, and the grid of points.
     offset : (2,), metres
         Move of the indenter over the gel since the footprint was taken.
     depth : metres

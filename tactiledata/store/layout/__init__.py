@@ -5,5 +5,6 @@
 - ``batch``: files that appear together: written beside their places, synced, then renamed.
 - ``arrays``, ``shards``, ``images``: Zarr arrays, raw frames and encoded pictures that grow by rows.
 - ``sensors_table``: facts and pictures without contact of each sensor, and what happens when recordings disagree.
-- ``lock``: one writer at a time. ``statistics``: sums of columns that see each value once.
+- ``lock``: one writer at a time. ``statistics``: sums of columns that see each value once. ``made_splits``: names of
+  the splits that were made of a store.
 """
