@@ -16,6 +16,7 @@ from tactiledata.calibrate.touches import ForceReadings, MeasuredTouch
 from tactiledata.contract.take import StoredSignal
 from tactiledata.diagnose.touches.rest_means import FrameWrenches, means_at_rest, rest_spans
 from tactiledata.diagnose.touches.touch_case import BaseFamily, TouchCase, TouchSet
+from tactiledata.diagnose.zeros.dead_band import DeadBand, find_dead_band
 from tactiledata.diagnose.zeros.readings import ForceZeros
 from tactiledata.effects.touch.imprint import ImprintTable, strongest_imprint
 from tactiledata.effects.touch.moved_until import moved_until
@@ -157,7 +158,8 @@ def to_play(touches: Sequence[Touch]) -> list[MeasuredTouch]:
 @dataclass(frozen=True)
 class Recorded:
     """Contact wrenches at the frames of each touch, averaged where the tip stands and interpolated (n, 6), samples in
-    free air before it (m, 6), where all frames lie between two samples (f,), and the zeros of all touches.
+    free air before it (m, 6), where all frames lie between two samples (f,), the zeros of all touches, and the force
+    sensor's dead-band.
     """
 
     at_frames: list[FrameWrenches]
@@ -165,6 +167,7 @@ class Recorded:
     free: list[Array]
     fractions: Array
     zeros: ForceZeros
+    dead_band: DeadBand | None = None
 
     @property
     def wrenches(self) -> list[Array]:
@@ -236,7 +239,8 @@ class Maker:
             for touch, wrench, way, one in zip(self.touches, interpolated, self.ways, stored, strict=True)
         ]
         fractions = np.concatenate([touch.fractions for touch in stored])
-        return Recorded(at_frames, interpolated, [touch.free for touch in stored], fractions, zeros_of(logs))
+        band = find_dead_band([wrench.values for _, (wrench, _) in logs])
+        return Recorded(at_frames, interpolated, [touch.free for touch in stored], fractions, zeros_of(logs), band)
 
     def cases(self, recorded: Recorded, base: BaseFamily) -> TouchSet:
         """The trajectories of a case, with their noise as a calibration estimates it."""

@@ -21,7 +21,8 @@ DRIFT = "sensor_drift"
 
 def outcome(case: Case) -> str:
     """``named``, ``in the set``, ``one of two``, ``undetectable`` (in all its range, said so and true), ``too weak``
-    (weaker than what the answer says it needs), ``missed``, ``unnamed`` or ``wrong``. What zeros follow is named, too.
+    (weaker than what the answer says it needs), ``missed``, ``unnamed`` or ``wrong``. What readings alone show
+    is named, too.
     """
     truth = set(case["truth"])
     claimed = case["verdict"] in CLAIMS
@@ -64,7 +65,7 @@ def summary(cases: Sequence[Case]) -> str:
         gains = [max((one["gain"] for one in case["candidates"]), default=0.0) for case in nulls]
         ends = np.quantile(gains, [0.5, 0.95, 1.0]).round(1)
         lines.append(f"    largest held-out gain of a null: median {ends[0]}, 95 % {ends[1]}, most {ends[2]}")
-        named = sum(case["verdict"] in CLAIMS for case in nulls)
+        named = sum(case["verdict"] in CLAIMS or bool(set(case["zeros"]) - {DRIFT}) for case in nulls)
         low, high = interval(named, len(nulls))
         lines.append(f"    named: {named} of {len(nulls)} (95 % interval {100 * low:.0f} to {100 * high:.0f} %)")
         lines.append("    largest evidence of an effect in a null, without its two best trajectories, and needed:")

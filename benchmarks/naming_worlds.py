@@ -29,7 +29,7 @@ import numpy as np
 from naming_asked import KINDS, Asked, asked_cases
 from naming_case import Maker, to_play
 from naming_plan import Plan
-from naming_summary import summary
+from naming_summary import DRIFT, summary
 from naming_truth import friction_left, modulus_left
 
 from tactiledata.diagnose.answer.sentences import Answer
@@ -155,7 +155,8 @@ class Bench:
             "friction_left": friction_left(scenario.hidden, truth.friction),
             "unhidden": asdict(unhidden),
             "seconds": round(seconds, 2),
-            "zeros": [cause.effect for cause in zero_causes(recorded.zeros)],
+            "zeros": [cause.effect for cause in zero_causes(recorded.zeros)]
+            + (["quantisation"] if recorded.dead_band is not None else []),
             **_found(naming, asked, change),
             "signal": round(float(np.sqrt(max(left, 0.0))), 2),
             "full_plays": [asdict(one) for one in full_plays],
@@ -214,6 +215,8 @@ def keep_and_tell(case: Asked, result: dict[str, Any], out: Path | None) -> None
         with out.open("a") as file:
             file.write(json.dumps(result) + "\n")
     said = f"{result['verdict']}: {', '.join(result['set']) or '-'} (nearest {' + '.join(result['nearest'])})"
+    readings = sorted(set(result["zeros"]) - {DRIFT})
+    said += f", of readings alone {', '.join(readings)}" if readings else ""
     print(f"{case.label}: {said}; signal {result['signal']:.0f}; {result['seconds']:.0f} s", flush=True)
 
 

@@ -17,6 +17,7 @@ from tactiledata.diagnose.touches.store_touches import StoreTouches
 from tactiledata.diagnose.unseen.compare import HeldOutComparison
 from tactiledata.diagnose.verdict import Verdict
 from tactiledata.diagnose.zeros.causes import ZeroCause
+from tactiledata.diagnose.zeros.dead_band import DeadBand
 
 
 @dataclass(frozen=True)
@@ -46,6 +47,8 @@ class StoreDiagnosis:
         How many of the played trajectories are of simulated recordings.
     full_plays : tuple of FullPlay
         Effects that were played in full after an estimate, and how far the estimate was off.
+    dead_band : DeadBand, optional
+        Loads that the force sensor reads as 0, where its readings show that it does.
     """
 
     store: str
@@ -59,6 +62,7 @@ class StoreDiagnosis:
     zeros: list[ZeroCause]
     simulated: SimulatedCount = NOTHING_STATED
     full_plays: tuple[FullPlay, ...] = ()
+    dead_band: DeadBand | None = None
 
     @property
     def answer(self) -> Answer:
@@ -68,15 +72,17 @@ class StoreDiagnosis:
     @property
     def is_missing(self) -> bool:
         """Whether physics is missing, of the contact or of the force sensor."""
-        return self.answer.is_missing or bool(self.zeros)
+        return self.answer.is_missing or bool(self.zeros) or self.dead_band is not None
 
     @property
     def verdict(self) -> Verdict:
-        """The verdict on the store: that of the known effects, of a formula where these fail, or of the zeros alone."""
+        """The verdict on the store: that of the known effects, of a formula where these fail, or of the force sensor's
+        readings alone.
+        """
         if not self.is_missing or self.answer.names:
             return self.answer.verdict
         if not self.answer.is_missing:
-            # the zeros are explained; the contact may hold more
+            # the force sensor is explained; the contact may hold more
             decision = self.naming.decision
             return claim_verdict(decision.is_more_left, decision.left, DEFAULT_THRESHOLDS)
         by_formula = None if self.formula is None else self.formula.answer

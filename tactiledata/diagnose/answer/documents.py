@@ -216,13 +216,14 @@ MOST_TRIALS = 3
 
 def sentences_of(done: StoreDiagnosis) -> list[str]:
     """Return the sentences of a store's diagnosis, the answer first."""
-    sentences = [*_zero_sentences(done), *naming_sentences(done.naming, done.shown.located, done.shown)]
+    sentences = [*_sensor_sentences(done), *naming_sentences(done.naming, done.shown.located, done.shown)]
     return [*sentences, *_further(done), *filter(None, [done.simulated.sentence])]
 
 
-def _zero_sentences(done: StoreDiagnosis) -> list[str]:
-    """Return a sentence for each cause that the force sensor's zero follows."""
-    return [cause.words for cause in done.zeros]
+def _sensor_sentences(done: StoreDiagnosis) -> list[str]:
+    """Return sentences on the force sensor's dead-band, and on each cause that its zero follows."""
+    band = [] if done.dead_band is None else [done.dead_band.words]
+    return [*band, *(cause.words for cause in done.zeros)]
 
 
 def _further(done: StoreDiagnosis) -> list[str]:
@@ -260,6 +261,7 @@ def store_document(done: StoreDiagnosis) -> dict[str, Any]:
         "ceiling": {"explained": done.shown.ceiling.explained},
         "next_trials": next_trials_document(done.proposals, is_more_left=_is_more_left(done)),
         "zeros": [cause.document for cause in done.zeros],
+        "dead_band": None if done.dead_band is None else done.dead_band.document,
         "simulated_recordings": done.simulated.document(),
         "frames": asdict(done.played.frames),
         "full_plays": [
@@ -319,7 +321,7 @@ def write_store_diagnosis(folder: Path, name: str, done: StoreDiagnosis, documen
     shown = done.shown
     page = naming_page(
         title, done.naming, shown.located, shown, trials, document["notes"], footer,
-        further=_further(done), first=_zero_sentences(done), simulated=done.simulated,
+        further=_further(done), first=_sensor_sentences(done), simulated=done.simulated,
     )  # fmt: skip
     write_atomic(written[0], page.encode())
     write_json_atomic(written[1], document)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactiledata.arrays import Array, Mask
+from tactiledata.arrays import Array
 from tactiledata.diagnose.residuals.residuals import joined_names
 from tactiledata.diagnose.residuals.wording import percent, quantity
 
@@ -110,26 +110,25 @@ def _band_of(column: Array) -> float | None:
     missing in it. Of the widths for which that is so, the one with the emptiest gap is taken. The half width that is
     returned is the size of the smallest readings, strays left out.
     """
-    sizes = np.abs(column[column != 0])
-    count = len(column) - len(sizes)
-    if count < FEWEST_BESIDE or len(sizes) < 2 * FEWEST_BESIDE:
+    sides = np.sort(-column[column < 0]), np.sort(column[column > 0])
+    smallest = np.sort(np.concatenate(sides))
+    count = len(column) - len(smallest)
+    if count < FEWEST_BESIDE or min(map(len, sides)) < FEWEST_BESIDE:
         return None
-    low, high = float(sizes.min()), float(np.quantile(sizes, 0.9))
-    if not low < high:
-        return None
-    widths = np.geomspace(low, high, WIDTHS)
+    widths = np.geomspace(smallest[0], np.quantile(smallest, 0.9), WIDTHS)
     step = _step_of(column)
     if step > 0:
         # borders halfway between two numbers that occur
         widths = step * (np.unique(np.maximum(np.floor(widths / step), 1)) + 0.5)
-    shares = np.array([_share_within(column, width) for width in widths])
-    crowded = np.array([count >= CROWDED * _density(column, width) * 2.0 * width for width in widths])
-    is_gap: Mask = (shares <= EMPTY) & crowded
+    within, beyond = np.array([_between(sides, low * widths, (low + 1) * widths) for low in (0, 1)])
+    # readings for each unit of the component beyond the gap, and how much of that there is in the gap
+    density = beyond.mean(axis=0) / widths
+    shares = np.where(beyond.min(axis=0) < FEWEST_BESIDE, np.inf, (within / np.maximum(beyond, 1)).max(axis=0))
+    is_gap = (shares <= EMPTY) & (count >= CROWDED * 2.0 * density * widths)
     if not is_gap.any():
         return None
-    best = widths[is_gap][np.argmin(shares[is_gap])]
-    smallest = np.sort(sizes)
-    is_border = np.arange(1, len(smallest) + 1) > FEW * 2.0 * _density(column, best) * smallest
+    best = int(np.argmin(np.where(is_gap, shares, np.inf)))
+    is_border = np.arange(1, len(smallest) + 1) > FEW * 2.0 * density[best] * smallest
     return float(smallest[np.argmax(is_border)])
 
 
@@ -139,24 +138,14 @@ def _step_of(column: Array) -> float:
     return float(np.diff(numbers).min()) if 2 * len(numbers) < len(column) else 0.0
 
 
-def _between(column: Array, low: float, high: float) -> Array:
-    """Return the numbers (2,) of readings of a component between two sizes, low excluded, below and above 0."""
-    sizes = np.abs(column)
-    inside = (sizes > low) & (sizes <= high)
-    return np.array([(inside & (column < 0)).sum(), (inside & (column > 0)).sum()])
+def _between(sides: tuple[Array, Array], low: Array, high: Array) -> Array:
+    """Return how many readings below and above 0 lie between two sizes (w,), low excluded: (2, w).
 
-
-def _share_within(column: Array, width: float) -> float:
-    """Return the density of readings within a half width, as a share of that up to twice as far: the larger side.
-
-    Infinite where there are too few readings beyond.
+    Parameters
+    ----------
+    sides : two arrays
+        Sizes of the readings below 0 and of those above, ascending.
+    low, high : (w,)
+        Sizes, in the unit of the component.
     """
-    beyond = _between(column, width, 2.0 * width)
-    if beyond.min() < FEWEST_BESIDE:
-        return np.inf
-    return float((_between(column, 0.0, width) / beyond).max())
-
-
-def _density(column: Array, width: float) -> float:
-    """Return the mean number of readings for each unit of a component from a half width up to twice as far."""
-    return float(_between(column, width, 2.0 * width).mean() / width)
+    return np.array([np.searchsorted(sizes, high, "right") - np.searchsorted(sizes, low, "right") for sizes in sides])

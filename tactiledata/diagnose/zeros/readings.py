@@ -77,6 +77,13 @@ def read_zeros(opened: OpenedStore) -> ForceZeros:
     )
 
 
+def read_logged(opened: OpenedStore) -> list[Array]:
+    """Return the readings (m, 6), N and N m, of each trajectory that has forces, as they were logged."""
+    reader = _Reader(opened)
+    signals = [reader.signal("wrench", row["spans"]) for row in opened.trajectories]
+    return [signal.values for signal in signals if signal is not None]
+
+
 class _Reader:
     """Reads pieces of free air from one store."""
 
@@ -88,7 +95,7 @@ class _Reader:
         spans = row["spans"]
         description = self._descriptions[row["source"]]
         tcp_from_ft = description.transform("tcp_from_ft")
-        wrench, tcp = self._signal("wrench", spans), self._signal("tcp", spans)
+        wrench, tcp = self.signal("wrench", spans), self.signal("tcp", spans)
         if wrench is None or tcp is None or tcp_from_ft is None:
             return []
         # readings as loads on the sensor, without the weight that log.yaml states
@@ -102,7 +109,7 @@ class _Reader:
         # stretches of free air between tares, and the time that they are counted from
         tare_ns = [int(moment) for moment in stated.get("tare_ns", [])]
         air = free_air_between(load, wrench.t_ns, tare_ns, zeros_at(description, tcp, tare_ns))
-        joints = self._signal("joints", spans)
+        joints = self.signal("joints", spans)
         switched_on = description.switched_on(row["sensor"], int(wrench.t_ns[0]))
         since = self._start(row["source"]) if switched_on is None else switched_on
         # one mean reading for each piece, with pose and joints at its middle
@@ -122,7 +129,7 @@ class _Reader:
             })  # fmt: skip
         return [piece for piece in listed if np.isfinite(piece["load"]).all() and np.isfinite(piece["down"]).all()]
 
-    def _signal(self, stream: str, spans: Mapping[str, Any]) -> StoredSignal | None:
+    def signal(self, stream: str, spans: Mapping[str, Any]) -> StoredSignal | None:
         """Return the finite rows of a stream, such as ``"wrench"``, in one trajectory; ``None`` where there are none.
 
         ``spans`` holds the first and last row of each signal of the trajectory.
