@@ -28,8 +28,8 @@ class ClockSkew(Effect):
     parameters = (
         strength(
             "rate", "1", "seconds of delay per second of recording",
-            bounds=(-5e-3, 5e-3), plausible=(-1e-3, 1e-3), deviation=5e-5,
-            source="10 to 100 ppm of quartz clocks, 1000 to 5000 ppm of ceramic resonators",
+            bounds=(-5e-3, 5e-3), plausible=(-5e-4, 5e-4), deviation=5e-5,
+            source="10 to 100 ppm of quartz clocks, 500 ppm and more of ceramic resonators",
         ),
         strength(
             "jump", "s", "delay from a moment on",
