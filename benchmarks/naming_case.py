@@ -16,8 +16,10 @@ from tactiledata.calibrate.touches import ForceReadings, MeasuredTouch
 from tactiledata.contract.take import StoredSignal
 from tactiledata.diagnose.touches.rest_means import FrameWrenches, means_at_rest, rest_spans
 from tactiledata.diagnose.touches.touch_case import BaseFamily, TouchCase, TouchSet
-from tactiledata.diagnose.zeros.dead_band import DeadBand, find_dead_band
+from tactiledata.diagnose.zeros.dead_band import find_dead_band
+from tactiledata.diagnose.zeros.inertia import FreeAirMoves, find_inertia
 from tactiledata.diagnose.zeros.readings import ForceZeros
+from tactiledata.effects.touch.felt_acceleration import felt_accelerations
 from tactiledata.effects.touch.imprint import ImprintTable, strongest_imprint
 from tactiledata.effects.touch.moved_until import moved_until
 from tactiledata.effects.touch.touch import Touch
@@ -158,8 +160,8 @@ def to_play(touches: Sequence[Touch]) -> list[MeasuredTouch]:
 @dataclass(frozen=True)
 class Recorded:
     """Contact wrenches at the frames of each touch, averaged where the tip stands and interpolated (n, 6), samples in
-    free air before it (m, 6), where all frames lie between two samples (f,), the zeros of all touches, and the force
-    sensor's dead-band.
+    free air before it (m, 6), where all frames lie between two samples (f,), the zeros of all touches, and the
+    effects that readings show by themselves.
     """
 
     at_frames: list[FrameWrenches]
@@ -167,7 +169,7 @@ class Recorded:
     free: list[Array]
     fractions: Array
     zeros: ForceZeros
-    dead_band: DeadBand | None = None
+    shown: tuple[str, ...] = ()
 
     @property
     def wrenches(self) -> list[Array]:
@@ -239,8 +241,14 @@ class Maker:
             for touch, wrench, way, one in zip(self.touches, interpolated, self.ways, stored, strict=True)
         ]
         fractions = np.concatenate([touch.fractions for touch in stored])
-        band = find_dead_band([wrench.values for _, (wrench, _) in logs])
-        return Recorded(at_frames, interpolated, [touch.free for touch in stored], fractions, zeros_of(logs), band)
+        moves = [
+            FreeAirMoves(number, one.readings.seconds[: len(one.free)], one.free[:, :3], felt, np.zeros(felt.shape[1]))
+            for number, (one, way) in enumerate(zip(stored, self.ways, strict=True))
+            for felt in [felt_accelerations(one.readings.seconds[: len(one.free)], *way)]
+        ]
+        found = find_dead_band([wrench.values for _, (wrench, _) in logs]), find_inertia(moves)
+        shown = tuple(str(one.document["effect"]) for one in found if one is not None)
+        return Recorded(at_frames, interpolated, [touch.free for touch in stored], fractions, zeros_of(logs), shown)
 
     def cases(self, recorded: Recorded, base: BaseFamily) -> TouchSet:
         """The trajectories of a case, with their noise as a calibration estimates it."""

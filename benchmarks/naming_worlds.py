@@ -155,8 +155,7 @@ class Bench:
             "friction_left": friction_left(scenario.hidden, truth.friction),
             "unhidden": asdict(unhidden),
             "seconds": round(seconds, 2),
-            "zeros": [cause.effect for cause in zero_causes(recorded.zeros)]
-            + (["quantisation"] if recorded.dead_band is not None else []),
+            "zeros": [*(cause.effect for cause in zero_causes(recorded.zeros)), *recorded.shown],
             **_found(naming, asked, change),
             "signal": round(float(np.sqrt(max(left, 0.0))), 2),
             "full_plays": [asdict(one) for one in full_plays],

@@ -22,7 +22,8 @@ from tactiledata.diagnose.unseen.compare import show
 from tactiledata.diagnose.unseen.touch_residuals import case_residuals, locating, signature_fields
 from tactiledata.diagnose.zeros.causes import no_zeros, zero_causes
 from tactiledata.diagnose.zeros.dead_band import find_dead_band
-from tactiledata.diagnose.zeros.readings import read_logged, read_zeros
+from tactiledata.diagnose.zeros.inertia import find_inertia
+from tactiledata.diagnose.zeros.readings import read_logged, read_moves, read_zeros
 from tactiledata.effects.touch.response import GelVariant
 from tactiledata.replay.opened import OpenedStore
 from tactiledata.store.check.values import need_sound_values
@@ -103,8 +104,19 @@ def diagnose_store(
     free = read_zeros(opened)
     remarks = [*limits(played.touch_set, naming.base.model.material), *filter(None, [no_zeros(free)])]
     causes = zero_causes(free, options.seed)
-    band = find_dead_band(read_logged(opened))
+    shown_by_readings = find_dead_band(read_logged(opened)), find_inertia(read_moves(opened), options.seed)
     simulated = simulated_trajectories(store, played.uids)
     return StoreDiagnosis(
-        store.digest, options, played, naming, shown, formula, proposals, remarks, causes, simulated, full_plays, band
+        store.digest,
+        options,
+        played,
+        naming,
+        shown,
+        formula,
+        proposals,
+        remarks,
+        causes,
+        simulated,
+        full_plays,
+        tuple(filter(None, shown_by_readings)),
     )

@@ -18,6 +18,7 @@ from tactiledata.diagnose.unseen.compare import HeldOutComparison
 from tactiledata.diagnose.verdict import Verdict
 from tactiledata.diagnose.zeros.causes import ZeroCause
 from tactiledata.diagnose.zeros.dead_band import DeadBand
+from tactiledata.diagnose.zeros.inertia import FreeAirInertia
 
 
 @dataclass(frozen=True)
@@ -47,8 +48,8 @@ class StoreDiagnosis:
         How many of the played trajectories are of simulated recordings.
     full_plays : tuple of FullPlay
         Effects that were played in full after an estimate, and how far the estimate was off.
-    dead_band : DeadBand, optional
-        Loads that the force sensor reads as 0, where its readings show that it does.
+    readings : tuple of DeadBand or FreeAirInertia
+        What the force sensor's readings show by themselves.
     """
 
     store: str
@@ -62,7 +63,7 @@ class StoreDiagnosis:
     zeros: list[ZeroCause]
     simulated: SimulatedCount = NOTHING_STATED
     full_plays: tuple[FullPlay, ...] = ()
-    dead_band: DeadBand | None = None
+    readings: tuple[DeadBand | FreeAirInertia, ...] = ()
 
     @property
     def answer(self) -> Answer:
@@ -72,7 +73,7 @@ class StoreDiagnosis:
     @property
     def is_missing(self) -> bool:
         """Whether physics is missing, of the contact or of the force sensor."""
-        return self.answer.is_missing or bool(self.zeros) or self.dead_band is not None
+        return self.answer.is_missing or bool(self.zeros) or bool(self.readings)
 
     @property
     def verdict(self) -> Verdict:

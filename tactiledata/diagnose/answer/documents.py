@@ -221,9 +221,8 @@ def sentences_of(done: StoreDiagnosis) -> list[str]:
 
 
 def _sensor_sentences(done: StoreDiagnosis) -> list[str]:
-    """Return sentences on the force sensor's dead-band, and on each cause that its zero follows."""
-    band = [] if done.dead_band is None else [done.dead_band.words]
-    return [*band, *(cause.words for cause in done.zeros)]
+    """Return sentences on what the force sensor's readings show, and on each cause that its zero follows."""
+    return [*(shown.words for shown in done.readings), *(cause.words for cause in done.zeros)]
 
 
 def _further(done: StoreDiagnosis) -> list[str]:
@@ -261,7 +260,7 @@ def store_document(done: StoreDiagnosis) -> dict[str, Any]:
         "ceiling": {"explained": done.shown.ceiling.explained},
         "next_trials": next_trials_document(done.proposals, is_more_left=_is_more_left(done)),
         "zeros": [cause.document for cause in done.zeros],
-        "dead_band": None if done.dead_band is None else done.dead_band.document,
+        "readings": [shown.document for shown in done.readings],
         "simulated_recordings": done.simulated.document(),
         "frames": asdict(done.played.frames),
         "full_plays": [

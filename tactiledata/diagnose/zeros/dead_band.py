@@ -25,7 +25,7 @@ FEWEST_BESIDE = 100
 EMPTY = 0.5
 """Largest density of readings in a gap, as a share of that beyond it. About one centre it is never below 1 on both
 sides."""
-CROWDED = 0.5
+CROWDED = 0.25
 """Least number of zeros, as a share of the readings that the density beyond the gap would put in its place."""
 FEW = 0.01
 """Share of the density beyond a gap below which the readings in it are strays, not a border."""
@@ -68,13 +68,7 @@ class DeadBand:
     @property
     def document(self) -> dict[str, object]:
         """The dead-band as it stands in ``diagnosis.json`` (schemas/diagnosis.json)."""
-        return {
-            "effect": "quantisation",
-            "bands": dict(self.band),
-            "axes": list(self.axes),
-            "zeros": self.zeros,
-            "words": self.words,
-        }
+        return {"effect": "quantisation", "values": {**self.band, "zeros": self.zeros}, "words": self.words}
 
 
 def find_dead_band(readings: Sequence[Array]) -> DeadBand | None:
@@ -110,9 +104,11 @@ def _band_of(column: Array) -> float | None:
     missing in it. Of the widths for which that is so, the one with the emptiest gap is taken. The half width that is
     returned is the size of the smallest readings, strays left out.
     """
-    sides = np.sort(-column[column < 0]), np.sort(column[column > 0])
+    count = int((column == 0).sum())
+    # a load that rests is one reading, however long it rests: it would be a lump in place of a density
+    is_new = np.concatenate([np.ones(min(len(column), 1), dtype=bool), np.diff(column) != 0])
+    sides = np.sort(-column[is_new & (column < 0)]), np.sort(column[is_new & (column > 0)])
     smallest = np.sort(np.concatenate(sides))
-    count = len(column) - len(smallest)
     if count < FEWEST_BESIDE or min(map(len, sides)) < FEWEST_BESIDE:
         return None
     widths = np.geomspace(smallest[0], np.quantile(smallest, 0.9), WIDTHS)

@@ -8,10 +8,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 
 from tactiledata.arrays import Array, Indices
 from tactiledata.contract.records import Stamps
 from tactiledata.contract.take import StoredSignal
+from tactiledata.diagnose.touches.rest_means import position_jitter
+from tactiledata.diagnose.zeros.inertia import FreeAirMoves
+from tactiledata.effects.touch.felt_acceleration import felt_accelerations
 from tactiledata.ingest.forces.contact import zeros_at
 from tactiledata.ingest.forces.gravity import tool_weight, without_pose
 from tactiledata.ingest.forces.tare import SURELY_FREE, component_noise, touch_threshold, touching
@@ -22,6 +26,10 @@ from tactiledata.transforms import pose_matrices
 
 PIECES = 8
 """Most pieces into which a stretch of free air is cut; each gives one mean reading."""
+SHAKEN = 0.2
+"""Seconds over which readings are averaged where a touch is sought: more than a period of an arm's vibration."""
+RINGS_ON = 0.3
+"""Seconds after the first pose for which an arm may still vibrate from what it did before."""
 FEWEST_READINGS = 10
 """Fewest readings of a piece."""
 
@@ -84,6 +92,34 @@ def read_logged(opened: OpenedStore) -> list[Array]:
     return [signal.values for signal in signals if signal is not None]
 
 
+def read_moves(opened: OpenedStore) -> list[FreeAirMoves]:
+    """Return the free air of all trajectories of a store, with the acceleration of a tool that swings on the arm."""
+    reader = _Reader(opened)
+    return [one for number, row in enumerate(opened.trajectories) for one in reader.moves(number, row)]
+
+
+@dataclass(frozen=True)
+class _FreeAir:
+    """Readings of one trajectory before its first touch.
+
+    Parameters
+    ----------
+    stretches : list of (int, (m, 6), (m,))
+        As `free_air_between` returns them.
+    starts_ns : int
+        Time of the first reading.
+    tcp : StoredSignal
+        Poses of the tool.
+    ft_from_tcp : (3, 3)
+        Rotation of the force sensor's frame.
+    """
+
+    stretches: list[tuple[int, Array, Indices]]
+    starts_ns: int
+    tcp: StoredSignal
+    ft_from_tcp: Array
+
+
 class _Reader:
     """Reads pieces of free air from one store."""
 
@@ -92,12 +128,57 @@ class _Reader:
 
     def pieces(self, number: int, row: Mapping[str, Any]) -> list[dict[str, Any]]:
         """Return the pieces of one trajectory, from its row of the table; keys as the fields of `ForceZeros`."""
+        air = self._free_air(row)
+        if air is None:
+            return []
+        joints = self.signal("joints", row["spans"])
+        switched_on = self._descriptions[row["source"]].switched_on(row["sensor"], air.starts_ns)
+        since = self._start(row["source"]) if switched_on is None else switched_on
+        # one mean reading for each piece, with pose and joints at its middle
+        listed = []
+        parts = [(*stretch, part) for stretch in air.stretches for part in pieces_of(len(stretch[1]))]
+        for zeroed, readings, t_ns, part in parts:
+            middle = int(t_ns[part[len(part) // 2]])
+            pose = pose_matrices(_nearest(air.tcp, middle)[None])[0]
+            angles = None if joints is None else _nearest(joints, middle)[:6]
+            listed.append({
+                "load": readings[part].mean(axis=0),
+                "trajectory": number,
+                "zeroed": (row["source"], zeroed),
+                "down": -(air.ft_from_tcp @ pose[:3, :3].T)[:, 2],
+                "seconds": (middle - since) / 1e9,
+                "joints": angles,
+            })  # fmt: skip
+        return [piece for piece in listed if np.isfinite(piece["load"]).all() and np.isfinite(piece["down"]).all()]
+
+    def moves(self, number: int, row: Mapping[str, Any]) -> list[FreeAirMoves]:
+        """Return the stretches of free air of one trajectory with the tool's acceleration, force sensor's frame."""
+        air = self._free_air(row)
+        if air is None:
+            return []
+        start, places = air.tcp.t_ns[0], air.tcp.values[:, :3]
+        moments = (air.tcp.t_ns - start) * 1e-9
+        unit = felt_accelerations(moments, moments, np.random.default_rng(0).normal(size=places.shape))
+        blur = position_jitter(places) ** 2 * (unit**2).mean(axis=(0, 2))
+        listed = []
+        for _, readings, t_ns in air.stretches:
+            # what the arm did before the poses begin rings on for a while
+            known = np.isfinite(readings).all(axis=1) & (t_ns > start + RINGS_ON * 1e9)
+            seconds = (t_ns[known] - start) * 1e-9
+            felt = felt_accelerations(seconds, moments, places)
+            turns = pose_matrices(air.tcp.values[_nearest_rows(air.tcp, t_ns[known])])[:, :3, :3]
+            in_sensor = np.einsum("ij,nkj,nfk->nfi", air.ft_from_tcp, turns, felt)
+            listed.append(FreeAirMoves(number, seconds, readings[known, :3], in_sensor, blur))
+        return listed
+
+    def _free_air(self, row: Mapping[str, Any]) -> _FreeAir | None:
+        """Return the free air of one trajectory, from its row of the table; ``None`` where forces or poses lack."""
         spans = row["spans"]
         description = self._descriptions[row["source"]]
         tcp_from_ft = description.transform("tcp_from_ft")
         wrench, tcp = self.signal("wrench", spans), self.signal("tcp", spans)
         if wrench is None or tcp is None or tcp_from_ft is None:
-            return []
+            return None
         # readings as loads on the sensor, without the weight that log.yaml states
         stated = description.wrench
         load = wrench.values if stated.get("sign", "load_on_sensor") == "load_on_sensor" else -wrench.values
@@ -106,28 +187,10 @@ class _Reader:
             and (weight := tool_weight(description, tcp, wrench.t_ns)) is not None
         ):
             load = np.where(without_pose(tcp, wrench.t_ns)[:, None], np.nan, load - weight)
-        # stretches of free air between tares, and the time that they are counted from
+        # stretches of free air between tares
         tare_ns = [int(moment) for moment in stated.get("tare_ns", [])]
-        air = free_air_between(load, wrench.t_ns, tare_ns, zeros_at(description, tcp, tare_ns))
-        joints = self.signal("joints", spans)
-        switched_on = description.switched_on(row["sensor"], int(wrench.t_ns[0]))
-        since = self._start(row["source"]) if switched_on is None else switched_on
-        # one mean reading for each piece, with pose and joints at its middle
-        listed = []
-        parts = [(*stretch, part) for stretch in air for part in pieces_of(len(stretch[1]))]
-        for zeroed, readings, t_ns, part in parts:
-            middle = int(t_ns[part[len(part) // 2]])
-            pose = pose_matrices(_nearest(tcp, middle)[None])[0]
-            angles = None if joints is None else _nearest(joints, middle)[:6]
-            listed.append({
-                "load": readings[part].mean(axis=0),
-                "trajectory": number,
-                "zeroed": (row["source"], zeroed),
-                "down": -(tcp_from_ft.inverse().rotation @ pose[:3, :3].T)[:, 2],
-                "seconds": (middle - since) / 1e9,
-                "joints": angles,
-            })  # fmt: skip
-        return [piece for piece in listed if np.isfinite(piece["load"]).all() and np.isfinite(piece["down"]).all()]
+        stretches = free_air_between(load, wrench.t_ns, tare_ns, zeros_at(description, tcp, tare_ns))
+        return _FreeAir(stretches, int(wrench.t_ns[0]), tcp, tcp_from_ft.inverse().rotation)
 
     def signal(self, stream: str, spans: Mapping[str, Any]) -> StoredSignal | None:
         """Return the finite rows of a stream, such as ``"wrench"``, in one trajectory; ``None`` where there are none.
@@ -197,7 +260,10 @@ def free_air_between(load: Array, t_ns: Indices, tare_ns: list[int], zeros: Arra
     noise = component_noise(load)
     inside = [tare for tare in locate_tares(t_ns, load, tare_ns, zeros, noise)[0] if tare.row > 0]
     steady = without_steps(load, inside, 0, len(load))
-    from_start = steady[:, :3] - np.median(steady[:FEWEST_READINGS, :3], axis=0)
+    # a touch lasts: an arm that starts shakes the tool, by more than the threshold, to either side
+    width = max(1, round(SHAKEN / max(float(np.median(np.diff(t_ns))) * 1e-9, 1e-9)))
+    lasting = uniform_filter1d(steady[:, :3], min(width, len(steady)), axis=0, mode="nearest")
+    from_start = lasting - np.median(steady[: max(FEWEST_READINGS, 2 * width), :3], axis=0)
     touched = np.flatnonzero(touching(np.linalg.norm(from_start, axis=1), touch_threshold(noise)))
     first = int(touched[0]) if len(touched) else len(load)
     # each stretch ends safely before the first touch
@@ -213,5 +279,11 @@ def free_air_between(load: Array, t_ns: Indices, tare_ns: list[int], zeros: Arra
 
 def _nearest(signal: StoredSignal, moment: int) -> Array:
     """Return the row of a signal whose time is nearest to a moment in ns."""
-    place = int(np.argmin(np.abs(signal.t_ns - moment)))
-    return np.asarray(signal.values[place])
+    return np.asarray(signal.values[_nearest_rows(signal, np.array([moment]))[0]])
+
+
+def _nearest_rows(signal: StoredSignal, t_ns: Indices) -> Indices:
+    """Return the rows (m,) of a signal whose times are nearest to times (m,) in ns."""
+    after = np.clip(np.searchsorted(signal.t_ns, t_ns), 1, max(len(signal.t_ns) - 1, 1))
+    is_before = t_ns - signal.t_ns[after - 1] <= signal.t_ns[np.minimum(after, len(signal.t_ns) - 1)] - t_ns
+    return np.minimum(np.where(is_before, after - 1, after), len(signal.t_ns) - 1)

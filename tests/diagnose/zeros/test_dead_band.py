@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from recorded_touches import recorded_store
 
@@ -95,6 +95,7 @@ def test_one_component_alone_is_no_band():
     assert find_dead_band([readings]) is None
 
 
+@example(433, 0.01, 0.0, 0.05)
 @given(
     st.integers(0, 10_000), st.floats(0.01, 0.5), st.floats(-0.5, 0.5), st.sampled_from([0.0, 0.01, 0.05, 0.2])
 )  # fmt: skip

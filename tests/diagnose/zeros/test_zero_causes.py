@@ -101,7 +101,8 @@ def test_a_tare_in_free_air_parts_its_readings_and_is_no_touch():
     assert (first, second) == (1, 2)
     assert before.mean(axis=0) == pytest.approx(np.full(6, 3.0), abs=0.03)
     assert after.mean(axis=0) == pytest.approx(np.zeros(6), abs=0.03)
-    assert (times[0], len(before), len(after)) == (t_ns[100], 100, 100)
+    assert (times[0], len(before)) == (t_ns[100], 100)
+    assert 90 <= len(after) <= 100
 
 
 @pytest.mark.slow
