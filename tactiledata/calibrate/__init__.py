@@ -10,6 +10,7 @@ Read in this order:
 - ``response``, ``experiment``: simulated wrenches interpolated at any parameters, beside the measured ones;
 - ``losses``, ``search``, ``least_squares``, ``fit``: the distance between the two, and its minimum;
 - ``intervals``, ``simulation_error``, ``coverage``: how well the parameters are known, and how often that is true;
+  ``knowledge``: whether each is identified, bounded or not told by the data;
 - ``calibrate``: all steps in a row; ``remarks``, ``document``, ``surface``, ``page``: the result for a reader.
 
 The room simulates through ``gel`` and takes its noise models from ``nuisance``. It writes no store, and it does not

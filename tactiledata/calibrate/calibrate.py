@@ -10,6 +10,7 @@ from tactiledata.arrays import Array
 from tactiledata.calibrate.bounds import Bounds, find_bounds
 from tactiledata.calibrate.experiment import Experiment, assemble
 from tactiledata.calibrate.fit import Fit, fit
+from tactiledata.calibrate.knowledge import KnownParameter, known_parameters, may_slide
 from tactiledata.calibrate.measured import Measured, read_measured
 from tactiledata.calibrate.options import FEWEST, CalibrationOptions
 from tactiledata.calibrate.plan import ResponsePlan
@@ -48,6 +49,8 @@ class Calibration:
         What a reader should know of the fit.
     store : str
         Digest of the store.
+    known : dict, name -> KnownParameter
+        Whether E, nu and mu are identified, bounded or not told by the data.
     simulated : SimulatedCount
         How many of the trajectories that took part are themselves simulated.
     """
@@ -61,6 +64,7 @@ class Calibration:
     interpolation_error: tuple[float, float]
     findings: tuple[Finding, ...]
     store: str
+    known: dict[str, KnownParameter]
     simulated: SimulatedCount = NOTHING_STATED
 
 
@@ -129,8 +133,12 @@ def calibrate_measured(
     optimum = fit(experiment, measured.noise, bounds, options)
     played, error = check_interpolation(experiment, optimum, measured, options)
     left_out = {**measured.left_out, **experiment.left_out}
-    findings = remarks(optimum, bounds, options.offset_prior, left_out, options.loss == "vector", options.shape_share)
-    return Calibration(options, bounds, measured, experiment, optimum, played, error, tuple(findings), store)
+    is_slid = may_slide(experiment.touches)
+    findings = remarks(
+        optimum, bounds, options.offset_prior, left_out, options.loss == "vector", options.shape_share, is_slid
+    )
+    known = known_parameters(optimum.intervals, bounds, is_slid)
+    return Calibration(options, bounds, measured, experiment, optimum, played, error, tuple(findings), store, known)
 
 
 def check_interpolation(

@@ -25,6 +25,7 @@ def calibration_document(calibration: Calibration) -> dict[str, Any]:
         "format": FORMAT,
         **_by_name(fit.parameters),
         "intervals": _intervals(calibration),
+        "known": {name: known.document for name, known in calibration.known.items()},
         "correlation": [[float(value) for value in row] for row in fit.intervals.correlation],
         "bounds": {
             "name": calibration.bounds.name,

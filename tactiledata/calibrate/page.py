@@ -40,7 +40,7 @@ def calibration_page(calibration: Calibration) -> str:
 
 
 def result_rows(calibration: Calibration) -> list[tuple[str, ...]]:
-    """One row of texts per parameter: symbol, value, 95 % interval, interval with simulation error, start."""
+    """One row of texts per parameter: symbol, value, 95 % interval, interval with simulation error, start, verdict."""
     fit = calibration.fit
     rows: list[tuple[str, ...]] = []
     for k, name in enumerate(NAMES):
@@ -50,7 +50,9 @@ def result_rows(calibration: Calibration) -> list[tuple[str, ...]]:
         ]
         value, start = in_words(name, float(fit.parameters[k])), in_words(name, float(fit.start[k]))
         with_simulation_error = " to ".join(in_words(name, float(end)) for end in fit.simulation_error.ends[k])
-        rows.append((SYMBOLS[name], value, " to ".join(ends), with_simulation_error, start))
+        rows.append(
+            (SYMBOLS[name], value, " to ".join(ends), with_simulation_error, start, calibration.known[name].verdict)
+        )
     return rows
 
 
@@ -78,7 +80,7 @@ def _result(calibration: Calibration) -> Section:
         f" With simulation error: two simulations of one gel differ by {100 * errors.force:.0f} % in all forces alike "
         f"and by {100 * errors.law:.0f} % in how forces grow over a factor e."
     )
-    columns = ("", "value", "95 % interval", "with simulation error", "start")
+    columns = ("", "value", "95 % interval", "with simulation error", "start", "verdict")
     return Section("Result", [("info", text)], columns, result_rows(calibration))
 
 

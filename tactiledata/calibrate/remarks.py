@@ -8,6 +8,7 @@ import numpy as np
 
 from tactiledata.calibrate.bounds import SYMBOLS, Bounds
 from tactiledata.calibrate.fit import Fit
+from tactiledata.calibrate.knowledge import Knowledge, known_parameters
 from tactiledata.contract.records import Finding
 from tactiledata.contract.wording import counted
 
@@ -15,8 +16,6 @@ AT_BOUND = 0.01
 """Largest distance from a bound, as a share of the box, at which a parameter counts as being at it."""
 SINGULAR = 0.95
 """Smallest correlation (absolute) at which two parameters cannot be distinguished."""
-WIDE = 0.8
-"""Width of an interval, as a share of the box, above which the data add nothing to the box."""
 MISFIT = 1.5
 """Root mean square of the whitened residual above which noise does not explain it."""
 FAR = 3.0
@@ -24,7 +23,13 @@ FAR = 3.0
 
 
 def remarks(
-    fit: Fit, bounds: Bounds, prior: float, left_out: Mapping[str, int], has_vector: bool, shape_error: float = 0.0
+    fit: Fit,
+    bounds: Bounds,
+    prior: float,
+    left_out: Mapping[str, int],
+    has_vector: bool,
+    shape_error: float = 0.0,
+    is_slid: bool = True,
 ) -> list[Finding]:
     """Return the findings of a fit.
 
@@ -42,8 +47,10 @@ def remarks(
         Whether the vector loss was minimised; only then are there offsets and factors.
     shape_error : float
         Standard deviation of the force factors of indenters about 1.
+    is_slid : bool
+        Whether any touch may slide.
     """
-    findings = [*_bound_hits(fit, bounds), *_unidentified(fit, bounds), *_singular_pairs(fit)]
+    findings = [*_bound_hits(fit, bounds), *_not_told(fit, bounds, is_slid), *_singular_pairs(fit)]
     if has_vector:
         findings += [*_misfit(fit), *_far_offsets(fit, prior), *_far_shapes(fit, shape_error)]
     return findings + list(_left_out(left_out))
@@ -66,24 +73,20 @@ def _bound_hits(fit: Fit, bounds: Bounds) -> Iterator[Finding]:
                 yield Finding("calibration-bound", "warning", text)
 
 
-def _unidentified(fit: Fit, bounds: Bounds) -> Iterator[Finding]:
-    """Yield a warning for each parameter whose interval nearly fills the box, with advice on what to record."""
+def _not_told(fit: Fit, bounds: Bounds, is_slid: bool) -> Iterator[Finding]:
+    """Yield a warning for each parameter that the data do not tell, with advice on what to record."""
     widths = np.ptp(fit.intervals.ends, axis=1) / bounds.span
+    known = known_parameters(fit.intervals, bounds, is_slid)
     for k, (name, _, _) in enumerate(bounds):
-        if widths[k] > WIDE:
-            text = (
-                f"{SYMBOLS[name]} cannot be known from these data: its 95 % interval, {_interval(name, fit, k)}, "
-                f"covers {100 * widths[k]:.0f} % of the bounds. {_ADVICE[name]}"
-            )
-            yield Finding("calibration-unidentified", "warning", text)
-
-
-_ADVICE = {
-    "youngs_modulus": "More and deeper touches help.",
-    "poisson_ratio": "Flat indenters and deep touches on a thin pad determine it; spheres alone hardly do.",
-    "friction": "Only touches that slip determine it: shear further than the gel sticks.",
-}
-"""What to record where a parameter cannot be known."""
+        if known[name].verdict != Knowledge.NOT_TOLD.value:
+            continue
+        why = (
+            f"its 95 % interval, {_interval(name, fit, k)}, covers {100 * widths[k]:.0f} % of the bounds"
+            if is_slid or name != "friction"
+            else "no touch moves along the gel or turns while it presses"
+        )
+        text = f"{SYMBOLS[name]} cannot be known from these data: {why}. {known[name].record}"
+        yield Finding("calibration-unidentified", "warning", text)
 
 
 def _singular_pairs(fit: Fit) -> Iterator[Finding]:

@@ -110,7 +110,7 @@ def _print(calibration: Any) -> None:
     from tactiledata.calibrate.page import loss_rows, result_rows
 
     counts = f"{len(calibration.fit.fitted)} fitted, {len(calibration.fit.held_out)} held out"
-    columns = ("", "value", "95 % interval", "with simulation error", "start")
+    columns = ("", "value", "95 % interval", "with simulation error", "start", "verdict")
     table(f"gel, engine {calibration.options.engine}, {counts}", columns, result_rows(calibration))
     table("", ("loss", "start", "fitted", "held out, start", "held out"), loss_rows(calibration))
     findings(("", finding) for finding in calibration.findings)
