@@ -86,7 +86,7 @@ class Bench:
 
         @cache
         def plays_with(full: frozenset[GelVariant]) -> list[TouchPlays]:
-            return play_touches(plan.mesh, fidelity, touches, plan.bounds, 1, _tell, wanted, full=full)
+            return play_touches(plan.mesh, fidelity, touches, plan.bounds, None, _tell, wanted, full=full)
 
         plays = plays_with(frozenset())
         known = [one.known for one in plays]

@@ -16,6 +16,7 @@ from tactiledata.calibrate.options import FEWEST, CalibrationOptions
 from tactiledata.calibrate.plan import ResponsePlan
 from tactiledata.calibrate.player import play_at, play_plan
 from tactiledata.calibrate.remarks import remarks
+from tactiledata.compute import make_scheduler
 from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.contract.records import Finding
 from tactiledata.contract.simulated import NOTHING_STATED, SimulatedCount
@@ -122,9 +123,8 @@ def calibrate_measured(
     bounds = find_bounds(options.bounds)
     # simulate every touch at the nodes over nu, mu and offset
     plan = ResponsePlan.of(bounds)
-    plays = play_plan(
-        measured.mesh, options.mechanics, measured.touches, plan, options.workers, report_progress
-    ).by_node()
+    runner = make_scheduler(options.workers, options.scheduler)
+    plays = play_plan(measured.mesh, options.mechanics, measured.touches, plan, runner, report_progress).by_node()
     experiment = assemble(measured.touches, plan, plays)
     if isinstance(experiment, dict) or len(experiment.touches) < FEWEST:
         reasons = experiment if isinstance(experiment, dict) else experiment.left_out

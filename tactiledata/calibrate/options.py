@@ -55,6 +55,8 @@ class CalibrationOptions:
         Only trajectories of these indenters; empty takes all.
     workers : int
         Processes that simulate trajectories.
+    scheduler : str, optional
+        Address of a Dask scheduler that simulates them instead; its workers see the same cache folder.
     make_pad : callable, optional
         Makes the pad mesh of a sensor model; structured pads of low resolution by default.
     indenter_folder : Path, optional
@@ -79,6 +81,7 @@ class CalibrationOptions:
     sensor: str | None = None
     indenters: tuple[str, ...] = ()
     workers: int = 1
+    scheduler: str | None = None
     make_pad: MakePad | None = None
     indenter_folder: Path | None = None
 

@@ -14,6 +14,7 @@ from tactiledata.calibrate.kept_plays import Play, keep_play, load_play, play_pa
 from tactiledata.calibrate.plan import Node, ResponsePlan
 from tactiledata.calibrate.play_progress import PlayProgress
 from tactiledata.calibrate.touches import MeasuredTouch
+from tactiledata.compute.base import Scheduler
 from tactiledata.compute.local import LocalScheduler
 from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.gel.contact.history import GelTouch
@@ -54,7 +55,7 @@ def play_nodes(
     mechanics: Mechanics,
     touches: Sequence[MeasuredTouch],
     nodes: Sequence[Node],
-    workers: int = 1,
+    runner: Scheduler | None = None,
     report_progress: Progress = no_progress,
 ) -> dict[Node, list[Play]]:
     """Simulate all touches at each node, and return the plays of each node in the order of the touches.
@@ -72,8 +73,8 @@ def play_nodes(
         Poses and indenters.
     nodes : sequence of Node
         Nodes of one nu and mu must follow one another.
-    workers : int
-        Processes; one batch, of one nu and mu, goes to each.
+    runner : Scheduler, optional
+        Where the batches run, each of one nu and mu; in this process where it is ``None``.
     report_progress : callable
         Called with the number of finished plays of touches, their total and a label.
 
@@ -91,8 +92,9 @@ def play_nodes(
     # run the batches, and sort their plays by node
     plays_of: dict[Node, list[Play]] = {}
     paths = [path for batch in batches for path in batch_paths(batch)]
+    outcomes = (runner or LocalScheduler()).outcomes(play_batch, batches)
     with PlayProgress(paths, report_progress) as progress:
-        for batch_nodes, outcome in zip(members, LocalScheduler(workers).outcomes(play_batch, batches), strict=True):
+        for batch_nodes, outcome in zip(members, outcomes, strict=True):
             if outcome.error is not None:
                 raise outcome.error
             plays = iter(outcome.result or ())
@@ -136,7 +138,7 @@ def play_plan(
     mechanics: Mechanics,
     touches: Sequence[MeasuredTouch],
     plan: ResponsePlan,
-    workers: int = 1,
+    runner: Scheduler | None = None,
     report_progress: Progress = no_progress,
     estimate: bool = True,
 ) -> PlanPlays:
@@ -155,8 +157,8 @@ def play_plan(
         Poses and indenters.
     plan : ResponsePlan
         Nodes over nu, mu and offset.
-    workers : int
-        Processes.
+    runner : Scheduler, optional
+        Where the touches are simulated; in this process where it is ``None``.
     report_progress : callable
         Called with the number of finished plays of touches, their total and a label.
     estimate : bool
@@ -169,14 +171,14 @@ def play_plan(
     """
     nodes = list(plan.nodes())
     if mechanics != "finite-strain" or not estimate:
-        return PlanPlays(plan, play_nodes(mesh, mechanics, touches, nodes, workers, report_progress), {})
+        return PlanPlays(plan, play_nodes(mesh, mechanics, touches, nodes, runner, report_progress), {})
     full = [node for node in nodes if is_played(plan, node)]
     before, total = len(full) * len(touches), (len(full) + len(nodes)) * len(touches)
     played = play_nodes(
-        mesh, mechanics, touches, full, workers, lambda done, _, what="": report_progress(done, total, what)
+        mesh, mechanics, touches, full, runner, lambda done, _, what="": report_progress(done, total, what)
     )
     linear = play_nodes(
-        mesh, "linear", touches, nodes, workers, lambda done, _, what="": report_progress(before + done, total, what)
+        mesh, "linear", touches, nodes, runner, lambda done, _, what="": report_progress(before + done, total, what)
     )
     return PlanPlays(plan, played, linear)
 

@@ -56,6 +56,9 @@ def calibrate(
     indenters: Path = typer.Option(None, "--indenters", help="Folder of the mesh files that recordings name."),
     seed: int = typer.Option(0, "--seed", help="Random seed for drawing trajectories."),
     workers: int = typer.Option(1, "--workers", min=1, help="Number of local processes."),
+    scheduler: str = typer.Option(
+        None, "--scheduler", help="Address of a Dask scheduler that simulates instead of local processes."
+    ),
     as_json: bool = JSON_OPTION,
 ) -> None:
     """Fit Young's modulus, Poisson's ratio and friction of the gel. A second run reuses simulations of the first.
@@ -89,6 +92,7 @@ def calibrate(
         sensor=sensor,
         indenters=() if indenter is None else tuple(listed_names(indenter, "--indenter")),
         workers=workers,
+        scheduler=scheduler,
         indenter_folder=indenters,
     )
     location = working_store(store)

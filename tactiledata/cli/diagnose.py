@@ -20,6 +20,7 @@ TABLE_ONLY = ("columns", "group")
 """Options that have a meaning for tables only."""
 STORE_ONLY = (
     "trajectories", "sensor", "indenter", "effects", "pairs", "fidelity", "bounds", "shore_a", "indenters", "workers",
+    "scheduler",
 )  # fmt: skip
 """Options that have a meaning for stores only."""
 SEEDS = 2**32
@@ -60,6 +61,9 @@ def diagnose(
     shore_a: float = typer.Option(24.5, "--shore-a", help="Store: Shore A hardness of the gel, where fits start."),
     indenters: Path = typer.Option(None, "--indenters", help="Store: folder of the mesh files that recordings name."),
     workers: int = typer.Option(1, "--workers", min=1, help="Store: number of local processes."),
+    scheduler: str = typer.Option(
+        None, "--scheduler", help="Store: address of a Dask scheduler that simulates instead of local processes."
+    ),
     columns: Path = typer.Option(None, "--columns", help="Table: YAML file that states the meaning of the columns."),
     group: str = typer.Option(
         None, "--group", help="Table: column whose value is shared by rows that were recorded together."
@@ -95,6 +99,7 @@ def diagnose(
             pairs=pairs,
             seed=seed,
             workers=workers,
+            scheduler=scheduler,
             indenter_folder=_folder(indenters),
         )
         document, written, is_found = _store(working_store(source), out, options, as_json)

@@ -7,7 +7,14 @@
 The functions are the same everywhere, and so are their results. The room knows nothing of recordings or stores.
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 from tactiledata.registry import Registry
+
+if TYPE_CHECKING:
+    from tactiledata.compute.base import Scheduler
 
 SCHEDULERS = Registry(
     "scheduler",
@@ -16,3 +23,22 @@ SCHEDULERS = Registry(
         "dask": "tactiledata.compute.dask:DaskScheduler",
     },
 )
+
+
+def make_scheduler(workers: int = 1, address: str | None = None) -> Scheduler:
+    """Return the scheduler that runs tasks: a Dask cluster at an address, or local processes.
+
+    Parameters
+    ----------
+    workers : int
+        Number of local processes; one starts none.
+    address : str, optional
+        Address of a running Dask scheduler, which then takes all tasks.
+
+    Raises
+    ------
+    UsageError
+        Fewer than one worker.
+    """
+    made: Scheduler = SCHEDULERS["dask"](address) if address else SCHEDULERS["local"](workers)
+    return made

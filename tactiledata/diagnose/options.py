@@ -41,6 +41,8 @@ class DiagnosisOptions:
         Random seed for drawing trajectories, folds and sign flips.
     workers : int
         Number of processes that play trajectories.
+    scheduler : str, optional
+        Address of a Dask scheduler that plays them instead; its workers see the same cache folder.
     make_pad : callable, optional
         Makes the mesh of the gel from a sensor model's name and geometry, instead of the built-in one.
     indenter_folder : Path, optional
@@ -64,6 +66,7 @@ class DiagnosisOptions:
     pairs: bool = True
     seed: int = 0
     workers: int = 1
+    scheduler: str | None = None
     make_pad: MakePad | None = None
     indenter_folder: Path | None = None
 
@@ -94,6 +97,7 @@ class DiagnosisOptions:
             sensor=self.sensor,
             indenters=self.indenters,
             workers=self.workers,
+            scheduler=self.scheduler,
             make_pad=self.make_pad,
             indenter_folder=self.indenter_folder,
         )

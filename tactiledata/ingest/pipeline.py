@@ -14,7 +14,7 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from tactiledata.compute import SCHEDULERS
+from tactiledata.compute import make_scheduler
 from tactiledata.compute.base import Outcome
 from tactiledata.contract.lfs_pointer import is_lfs_pointer, pointer_words
 from tactiledata.contract.progress import Progress
@@ -105,7 +105,7 @@ def ingest(
         check_document(chosen.mapping, "mapping", "the mapping")
     sources, unclaimed = find_sources([Path(path) for path in paths], chosen.format_name)
     folder = Path(store)
-    runner = SCHEDULERS["dask"](scheduler) if scheduler else SCHEDULERS["local"](workers)
+    runner = make_scheduler(workers, scheduler)
     with _intake(folder):
         present = frozenset(recover(folder)["sources"])
         tasks = [_Task(source, str(folder.resolve()), chosen, present, replace) for source in sources]

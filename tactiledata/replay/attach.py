@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from tactiledata.compute import SCHEDULERS
+from tactiledata.compute import make_scheduler
 from tactiledata.contract.progress import Progress
 from tactiledata.errors import UsageError
 from tactiledata.gel.mesh.surface import contact_surface
@@ -79,7 +79,7 @@ def replay(
         Numbers that the store was given are damaged.
     """
     folder = Path(store_path)
-    runner = SCHEDULERS["dask"](scheduler) if scheduler else SCHEDULERS["local"](workers)
+    runner = make_scheduler(workers, scheduler)
     read_manifest(folder)
     with writing_lock(folder, INTAKE_LOCK):
         # finish or undo what an interrupted process left

@@ -49,7 +49,7 @@ def test_touches_of_a_batch_are_counted_before_it_ends(tmp_path, monkeypatch):
     monkeypatch.setattr(player, "make_engine", lambda *_: Engine())
     nodes = [Node(0.45, 0.5, 0.0), Node(0.45, 0.5, 1e-4)]
     mesh = SimpleNamespace(digest="ab" * 32)
-    found = player.play_nodes(mesh, "linear", [Touch(0.0), Touch(1.0)], nodes, 1, report)
+    found = player.play_nodes(mesh, "linear", [Touch(0.0), Touch(1.0)], nodes, None, report)
     assert [len(plays) for plays in found.values()] == [2, 2]
     assert in_time == [True] * 4
     assert counts[0] == (0, 4)

@@ -20,6 +20,7 @@ from tactiledata.calibrate.plan import Node, ResponsePlan
 from tactiledata.calibrate.play_progress import PlayProgress
 from tactiledata.calibrate.player import play_plan, played_or_kept
 from tactiledata.calibrate.touches import MeasuredTouch
+from tactiledata.compute.base import Scheduler
 from tactiledata.compute.local import LocalScheduler
 from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.diagnose.touches.grid_answer import TouchPlays
@@ -113,7 +114,7 @@ def play_touches(
     fidelity: Fidelity,
     touches: Sequence[MeasuredTouch],
     bounds: Bounds,
-    workers: int = 1,
+    runner: Scheduler | None = None,
     progress: Progress = no_progress,
     variants: Sequence[GelVariant] = (),
     estimate: bool = True,
@@ -138,8 +139,8 @@ def play_touches(
         The trajectories.
     bounds : Bounds
         Bounds of nu and mu, between which the nodes of the grid lie.
-    workers : int
-        Number of processes that play.
+    runner : Scheduler, optional
+        Where the touches are played; in this process where it is ``None``.
     progress : Progress
         Called with how many plays of touches are finished, how many there are, and what was played last.
     variants : sequence of GelVariant
@@ -177,11 +178,11 @@ def play_touches(
         progress(of_nodes + done, of_nodes + of_batches, what)
 
     # plays, each kept on disk as soon as it is finished
-    grid = play_plan(mesh, fidelity, touches, plan, workers, nodes_played, estimate)
+    grid = play_plan(mesh, fidelity, touches, plan, runner, nodes_played, estimate)
     others: list[list[Play]] = []
     paths = [path for batch in batches for path in variant_paths(batch)]
     with PlayProgress(paths, batches_played) as play_progress:
-        for outcome in LocalScheduler(workers).outcomes(play_variant, batches):
+        for outcome in (runner or LocalScheduler()).outcomes(play_variant, batches):
             if outcome.error is not None:
                 raise outcome.error
             others.append(outcome.result or [])

@@ -15,6 +15,7 @@ from tactiledata.calibrate.gent import youngs_modulus_of_shore_a
 from tactiledata.calibrate.measured import Measured, read_measured
 from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.calibrate.touches import MeasuredTouch
+from tactiledata.compute import make_scheduler
 from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.diagnose.touches.grid_answer import TouchPlays
 from tactiledata.diagnose.touches.play_grid import design_variants, play_touches, variants_of
@@ -154,9 +155,8 @@ def store_touches(
     box = find_bounds(options.bounds)
     # plays; variants of the gel exist at finite strain only
     variants = variants_of(EFFECTS) if options.fidelity == "finite-strain" else ()
-    plays = play_touches(
-        measured.mesh, options.fidelity, measured.touches, box, options.workers, progress, variants, full=full
-    )
+    runner = make_scheduler(options.workers, options.scheduler)
+    plays = play_touches(measured.mesh, options.fidelity, measured.touches, box, runner, progress, variants, full=full)
     start = GelMaterial(*box.inside(np.array([youngs_modulus_of_shore_a(options.shore_a), 0.475, 0.7])).tolist())
     # trajectories with covariates; those without usable frames are left out
     make = _CaseMaker(measured, StoreFacts(opened), StoreMotion(opened), start, geometry)
