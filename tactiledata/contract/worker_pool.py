@@ -1,4 +1,4 @@
-"""Pools of worker processes that never outlive the process that started them."""
+"""Pools of worker processes, and queues between them, that never outlive the process that started them."""
 
 from __future__ import annotations
 
@@ -10,6 +10,9 @@ from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from multiprocessing.connection import Connection
+from multiprocessing.managers import SyncManager
+from queue import Queue
+from typing import Any
 
 ORPHANED = 1
 """Exit status of a worker whose parent is gone."""
@@ -38,6 +41,21 @@ def worker_pool(workers: int) -> Iterator[ProcessPoolExecutor]:
             held.close()
             pool.shutdown(wait=False, cancel_futures=True)
             raise
+
+
+@contextmanager
+def shared_queue() -> Iterator[Queue[Any]]:
+    """Yield a queue that can be handed to tasks of a pool, for what they say while they run.
+
+    The process that keeps it ends with the block, and as the workers do when the parent process dies.
+    """
+    context = multiprocessing.get_context("spawn")
+    watched, held = context.Pipe(duplex=False)
+    manager = SyncManager(ctx=context)
+    with watched, held:
+        manager.start(_end_with_parent, (watched,))
+        with manager:
+            yield manager.Queue()
 
 
 def _end_with_parent(watched: Connection) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import multiprocessing
 from collections import Counter
 from collections.abc import Callable, Sequence
 from contextlib import suppress
@@ -12,7 +11,7 @@ from queue import Empty, Queue
 from typing import Literal
 
 from tactiledata.contract.progress import Progress
-from tactiledata.contract.worker_pool import worker_pool
+from tactiledata.contract.worker_pool import shared_queue, worker_pool
 from tactiledata.errors import SchemaError, TactileDataError, UnknownName, UsageError
 from tactiledata.rig.logs.sampling import sample
 from tactiledata.rig.logs.truth import write_truth
@@ -94,8 +93,7 @@ def _record_in_processes(
     scenario: Scenario, out: Path, form: Form, counts: _Counts, workers: int, written: list[Path]
 ) -> None:
     """Record each log in one of several local processes and append their paths to ``written`` in order."""
-    with multiprocessing.get_context("spawn").Manager() as manager, worker_pool(workers) as pool:
-        counts_queue = manager.Queue()
+    with shared_queue() as counts_queue, worker_pool(workers) as pool:
         report = partial(_send_count, counts_queue)
         waiting = [pool.submit(_record_log, scenario, out, form, report, index) for index in range(len(counts.whole))]
         # counts arrive while the logs are recorded; the rest is in the queue when all are done
