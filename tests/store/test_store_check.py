@@ -167,4 +167,12 @@ def test_undecodable_image_is_found_when_asked(tmp_path: Path) -> None:
     create(tmp_path, SMALL)
     commit(tmp_path, [staged_take(tmp_path, 2, images=[Image("a", b"no picture", "jpeg", 2, 3, 0)])[0]])
     assert check(tmp_path) == []
+    [finding] = check(tmp_path, decode=True)
+    assert (finding.code, finding.severity) == ("store-payload", "damage")
+    # the command that is named marks it; without decoding it is not found
+    assert "`check --decode --repair`" in finding.message
+    repair(tmp_path)
     assert codes(tmp_path, decode=True) == {"store-payload": "damage"}
+    repair(tmp_path, decode=True)
+    assert codes(tmp_path, decode=True) == {}
+    assert Store.open(tmp_path).frames(["flags"])["flags"].to_pylist() == [FrameFlag.BROKEN]
