@@ -171,6 +171,9 @@ BAD = {
     "one group": (lambda t: t.assign(trial="a"), TactileDataError, "one group only"),
     "too few groups": (lambda t: t[t.trial < 5], TactileDataError, "5 groups only"),
     "a constant observation": (lambda t: t.assign(fz_observed_N=1.5), TactileDataError, "1.5 in every row"),
+    "an observation whose squares are 0": (
+        lambda t: t.assign(fz_observed_N=1e-300 * t.fz_observed_N), TactileDataError, "varies by 1.*e-299 only",
+    ),
     "a perfect prediction": (
         lambda t: t.assign(fz_observed_N=2 * t.fz_predicted_N).drop(columns="fz_noise_N"), TactileDataError, "exactly",
     ),

@@ -250,11 +250,18 @@ def _quantities(rows: pd.DataFrame, columns: Columns) -> tuple[Array, Array, Arr
     observed, predicted, noise = (np.ones((len(rows), len(columns.quantities))) for _ in range(3))
     for place, pair in enumerate(columns.quantities):
         observed[:, place], predicted[:, place] = rows[pair.observed], rows[pair.predicted]
-        if np.ptp(observed[:, place]) == 0:
+        spread = float(np.ptp(observed[:, place]))
+        if spread == 0:
             raise TactileDataError(
                 f"column {pair.observed} is {observed[0, place]:g} in every row", "an observation that varies",
                 "Is the instrument connected? Leave the column out, or use other rows.",
             )  # fmt: skip
+        if spread <= SMALLEST:
+            raise TactileDataError(
+                f"column {pair.observed} varies by {spread:.3g} only",
+                f"an observation that varies by more than {SMALLEST:g}: the square of less is rounded to 0",
+                "Give observation and prediction in a smaller unit.",
+            )
         if pair.noise is not None:
             noise[:, place] = rows[pair.noise] if isinstance(pair.noise, str) else pair.noise
         if not (noise[:, place] > SMALLEST).all():
