@@ -85,6 +85,11 @@ def score(
         if targets and scores:
             pair_scores += score_backgrounds(opened, scores, sets, targets)
         kept, unknown = kept_scores(opened, sets)
+        if KEPT in names and not kept and not unknown:
+            unknown = [
+                "No set was made of touches of this store, so that none keeps any. `tactiledata transfer` makes one, "
+                "and `tactiledata merge` puts it beside its parents."
+            ]
         notes = [*unknown, *size_sentences(sets), *sentences(targets, unlocated(opened, sets) if targets else [])]
         kinds = {pictures.name: pictures.kind for pictures in sets}
         heading = simulated.heading

@@ -123,7 +123,9 @@ def _usable(opened: OpenedStore, options: CalibrationOptions, left_out: Counter[
             left_out[touch.reason] += 1
         elif touch.pad != pad:
             left_out["a gel of another shape: calibrate it on its own, with --sensor"] += 1
-        elif peak is None or not peak >= LEAST_FORCE:
+        elif peak is None or np.isnan(peak):
+            left_out["no force: no reading of the force sensor belongs to it"] += 1
+        elif not peak >= LEAST_FORCE:
             left_out[f"no force: the sensor felt less than {LEAST_FORCE:g} N"] += 1
         elif options.engine == "mujoco-flex" and touch.solid is not None and not is_convex(touch.solid):
             left_out["an indenter that is not convex, which mujoco-flex cannot press"] += 1

@@ -25,6 +25,9 @@ JSON_OPTION = typer.Option(False, "--json", help="Print one JSON document, for m
 QUIET_SECONDS = 60.0
 """Longest silence, in seconds, where progress is printed as lines: the next report after it is printed."""
 
+LEAST_DONE = 0.05
+"""Share of the steps that must be done before the time of the others is told from them."""
+
 UNSEEN = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
 """Characters that steer a terminal or turn the direction of writing, such as a name in a recording may hold."""
 
@@ -98,6 +101,9 @@ def findings(found: Iterable[tuple[str, Finding]], most: int = 40) -> None:
 def time_left(done: int, total: int, seconds: float) -> str:
     """Return how long the steps that are left take, as ", about 3 min left"; nothing where it is below a minute.
 
+    Nothing either before ``LEAST_DONE`` of the steps: the first may be of another kind than the others, as a
+    recording's tables are beside thousands of images.
+
     Parameters
     ----------
     done, total : int
@@ -105,7 +111,7 @@ def time_left(done: int, total: int, seconds: float) -> str:
     seconds : float
         Time that the finished steps took.
     """
-    left = seconds * (total - done) / done if done else 0.0
+    left = seconds * (total - done) / done if done and done >= LEAST_DONE * total else 0.0
     return f", about {left / 60:.0f} min left" if left >= 60.0 else ""
 
 

@@ -55,21 +55,19 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
         ("indenter", "trajectories", "images"),
         [(name or "(not named)", row["trajectories"], row["frames"]) for name, row in facts["by_indenter"].items()],
     )
-    table(
-        "",
-        ("signal", "columns", "frame", "samples", "Hz", "changes at Hz while moving"),
-        [
-            (
-                name,
-                " ".join(row["columns"]),
-                row["frame"] or "-",
-                row["samples"],
-                row["rate_hz"],
-                row["effective_rate_hz"] or "-",
-            )
-            for name, row in facts["signals"].items()
-        ],
-    )
+    signals = [
+        (
+            name,
+            " ".join(row["columns"]),
+            row["frame"] or "-",
+            row["samples"],
+            row["rate_hz"],
+            row["effective_rate_hz"] or "-",
+        )
+        for name, row in facts["signals"].items()
+    ]
+    if signals:
+        table("", ("signal", "columns", "frame", "samples", "Hz", "changes at Hz while moving"), signals)
     # splits, meshes and findings
     for name in opened.split_names():
         say(f"split: {name}")

@@ -7,6 +7,7 @@ decodes a picture that would fill the memory.
 from __future__ import annotations
 
 import struct
+import zlib
 from dataclasses import dataclass
 
 import numpy as np
@@ -68,7 +69,8 @@ def read_header(payload: bytes) -> ImageHeader:
     Raises
     ------
     BrokenLog
-        Neither JPEG nor PNG, cut before the size is stated, or of an impossible size. It is a ``ValueError``.
+        Neither JPEG nor PNG, cut before the size is stated, of an impossible size, or a PNG with a chunk that does not
+        fit its CRC-32. It is a ``ValueError``.
     """
     if payload.startswith(PNG_SIGNATURE):
         header = _png(payload)
@@ -79,7 +81,8 @@ def read_header(payload: bytes) -> ImageHeader:
         start = payload[:8].hex(" ") or "nothing"
         raise _broken(f"bytes that start with {start} are neither JPEG nor PNG")
     if not (0 < header.height <= MAX_SIDE and 0 < header.width <= MAX_SIDE):
-        raise _broken(f"a {header.encoding} image of {header.height} rows x {header.width} columns")
+        limits = f"a side has 1 to {MAX_SIDE} pixels"
+        raise _broken(f"a {header.encoding} image of {header.height} rows x {header.width} columns, where {limits}")
     return header
 
 
@@ -156,14 +159,27 @@ def _png(payload: bytes) -> ImageHeader:
 
 
 def _png_chunks(payload: bytes) -> tuple[bool, bool]:
-    """Whether a PNG lists transparent colours (chunk tRNS), and whether it reaches its end mark."""
+    """Whether a PNG lists transparent colours (chunk tRNS), and whether it reaches its end mark.
+
+    Raises
+    ------
+    BrokenLog
+        A chunk does not fit its CRC-32. A flip in a chunk's name makes a part of the picture one that decoders pass
+        over, so no chunk that does not fit is taken for a mere remark.
+    """
     place, has_list = len(PNG_SIGNATURE), False
     while place + 12 <= len(payload):
         length, kind = int.from_bytes(payload[place : place + 4], "big"), payload[place + 4 : place + 8]
+        end = place + 8 + length
+        crc = payload[end : end + 4]
+        if len(crc) < 4:
+            break
+        if zlib.crc32(payload[place + 4 : end]) != int.from_bytes(crc, "big"):
+            raise _broken(f"a PNG whose chunk at byte {place} does not fit its CRC-32")
         if kind == b"IEND":
             return has_list, True
         has_list |= kind == b"tRNS"
-        place += 12 + length
+        place = end + 4
     return has_list, False
 
 

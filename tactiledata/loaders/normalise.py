@@ -204,7 +204,7 @@ class Cache:
             if not fits_seal(content) or {name: document.get(name) for name in self._key} != self._key:
                 return {}
             return {name: Normaliser.from_document(value) for name, value in document["streams"].items()}
-        except (OSError, ValueError, TypeError, KeyError, AttributeError):
+        except (OSError, ValueError, TypeError, KeyError, AttributeError, RecursionError):
             return {}
 
     def write(self, normalisers: Mapping[str, Normaliser]) -> str:

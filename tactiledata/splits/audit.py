@@ -208,8 +208,9 @@ def _audit_images(
             f"{len(pairs)} pairs of images across parts look alike; the nearest {MAX_PAIRS} were compared in detail"
         )
         found.append(Finding("near-pairs-not-compared", "warning", message, count=left))
-    found += _not_compared(rows[too_large].tolist(), "too large to be decoded")
-    found += _not_compared(unreadable, "damaged")
+    found += _not_compared(rows[too_large].tolist(), "too large to be decoded", "check --repair")
+    # an image may fit its checksum and not decode
+    found += _not_compared(unreadable, "damaged", "check --decode --repair")
     decoded = len(rows) - len(unreadable) - int(too_large.sum())
     blank = decoded - len(whole)
     if blank:
@@ -229,13 +230,13 @@ def _too_large(store: Store, rows: NDArray[np.int64]) -> NDArray[np.bool_]:
     return np.array([bool(size_fault(height, width)) for height, width in _sizes(store, rows).tolist()], bool)
 
 
-def _not_compared(rows: list[int], why: str) -> list[Finding]:
+def _not_compared(rows: list[int], why: str, command: str) -> list[Finding]:
     if not rows:
         return []
     are = "is" if len(rows) == 1 else "are"
     message = (
         f"{counted(len(rows), 'image')} {are} {why} and not compared, first frame {rows[0]}: "
-        "`tactiledata check --repair` marks such images, and training leaves them out"
+        f"`tactiledata {command}` marks such images, and training leaves them out"
     )
     return [Finding("images-not-compared", "warning", message, count=len(rows))]
 

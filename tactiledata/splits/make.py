@@ -96,7 +96,9 @@ def split_tables(
     groups = len(set(group_trajectories(trajectories).moment))
     if groups < 2:
         raise StoreError(
-            f"all {trajectories.num_rows} trajectories of the store must stand together: one group",
+            "the store has one trajectory"
+            if trajectories.num_rows == 1
+            else f"all {trajectories.num_rows} trajectories of the store must stand together: one group",
             "at least two, so that something is on the other side",
             "Ingest more recordings; a trajectory is never parted.",
         )

@@ -76,6 +76,21 @@ def test_wrong_options_are_wrong_usage(tiny_store, tmp_path, capsys, monkeypatch
     assert not list(tmp_path.glob("calibration*"))
 
 
+def test_a_store_without_a_wrench_names_the_reason(tiny_folders, tmp_path, capsys, monkeypatch):
+    """Recordings whose forces were not recorded are not said to have felt little force."""
+    from tactiledata.ingest.pipeline import ingest
+
+    recording = tmp_path / "recording"
+    copy_tree(tiny_folders[0], recording)
+    (recording / "wrench.csv").unlink()
+    ingest([recording], tmp_path / "ds.zarr")
+    monkeypatch.chdir(tmp_path)
+    code, _, said = run_command(capsys, monkeypatch, "calibrate")
+    assert code == 1
+    assert "no force: no reading of the force sensor belongs to it" in said
+    assert "less than" not in said
+
+
 def test_a_store_without_poses_names_the_reason(tiny_folders, tmp_path, capsys, monkeypatch):
     """Recordings whose arm was not recorded: data fell short, and why."""
     from tactiledata.ingest.pipeline import ingest

@@ -86,6 +86,13 @@ def test_every_step_that_is_printed_runs(store, capsys):
     assert ("no split can be drawn yet" in printed) != can_split
 
 
+def test_info_has_no_empty_table(store, capsys):
+    """Signals are listed where the store has some; a store without numbers gets no header without rows."""
+    place, _ = store
+    _, out, _ = run_command(capsys, "info", place)
+    assert ("changes at Hz" in out) == bool(Store.open(place).signal_names)
+
+
 def test_info_says_what_comes_next(store, capsys):
     """`info` names the split where there is none, its audit where there is one, and how to draw it again where it is
     damaged; each command runs.

@@ -13,8 +13,11 @@ from tactiledata.cli.output import time_left
         (1, 2, 59.0, ""),
         (40, 40, 600.0, ""),
         (0, 40, 600.0, ""),
+        (1, 481, 4.0, ""),
+        (24, 481, 96.0, ""),
+        (25, 481, 96.0, ", about 29 min left"),
     ],
 )
 def test_the_time_left_is_in_proportion_to_the_steps_left(done, total, seconds, said):
-    """A quarter done in a minute leaves three; below a minute, at the end and before the first step nothing is said."""
+    """A quarter done in a minute leaves three; nothing is said below a minute, at the end, before 25 of 481."""
     assert time_left(done, total, seconds) == said

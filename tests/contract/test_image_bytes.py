@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import zlib
+
 import cv2
 import numpy as np
 import pytest
@@ -62,6 +64,22 @@ def test_every_cut_is_noticed(suffix):
             assert not read_header(payload[:length]).is_complete, length
         except BrokenLog:
             continue
+
+
+def test_every_flipped_bit_of_a_png_is_noticed():
+    """With any bit behind the signature flipped, a PNG is refused or said to be incomplete; as it is, it is whole."""
+    whole = encoded(".png", picture(8, 6))
+    note = b"tEXta note"
+    payload = whole[:33] + (6).to_bytes(4, "big") + note + zlib.crc32(note).to_bytes(4, "big") + whole[33:]
+    assert read_header(payload).is_complete
+    for place in range(8, len(payload)):
+        for bit in range(8):
+            flipped = bytearray(payload)
+            flipped[place] ^= 1 << bit
+            try:
+                assert not read_header(bytes(flipped)).is_complete, (place, bit)
+            except BrokenLog:
+                continue
 
 
 def test_padding_after_the_end_is_complete():

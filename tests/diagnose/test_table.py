@@ -171,6 +171,9 @@ BAD = {
     "one group": (lambda t: t.assign(trial="a"), TactileDataError, "one group only"),
     "too few groups": (lambda t: t[t.trial < 5], TactileDataError, "5 groups only"),
     "a constant observation": (lambda t: t.assign(fz_observed_N=1.5), TactileDataError, "1.5 in every row"),
+    "an observation whose squares are 0": (
+        lambda t: t.assign(fz_observed_N=1e-300 * t.fz_observed_N), TactileDataError, "varies by 1.*e-299 only",
+    ),
     "a perfect prediction": (
         lambda t: t.assign(fz_observed_N=2 * t.fz_predicted_N).drop(columns="fz_noise_N"), TactileDataError, "exactly",
     ),
@@ -242,6 +245,21 @@ def test_groups_of_one_row_are_enough(tmp_path):
     _, explanation, document = diagnose_table(saved(tmp_path, table))
     assert explanation.located.leading[0].covariate == "speed"
     assert "zero" in document["gap"]["floor_is"]
+
+
+def test_rows_that_stand_twice_count_once():
+    """A table that was saved twice into one file gives what it gives once, and says so; without times nothing is left
+    out, as equal readings may be two.
+    """
+    once = presses(0, noise=False).drop(columns="fz_noise_N", errors="ignore")
+    twice = pd.concat([once, once.sample(frac=1.0, random_state=3)], ignore_index=True)
+    read, doubled = residuals_of(once), residuals_of(twice)
+    assert (read.residuals.values == doubled.residuals.values).all()
+    assert read.notes == tuple(note for note in doubled.notes if "the same time" not in note)
+    [note] = [note for note in doubled.notes if "the same time" in note]
+    assert note.startswith(f"{len(once)} rows of {len(twice)} left out")
+    untimed = residuals_of(twice.drop(columns="time_s"))
+    assert len(untimed.residuals.values) == len(twice)
 
 
 def test_strays_are_left_out_and_said():

@@ -72,6 +72,14 @@ def test_children_without_their_parents_are_said_so(folder):
     assert "parents are not here" in notes[0]
 
 
+def test_a_store_without_children_is_answered(tiny_store, capsys):
+    """Where nothing was made of touches, the command says so and what makes it, in place of nothing at all."""
+    code, out, err = run_command(capsys, "score", str(tiny_store), "--metric", "kept_touch")
+    assert code == 0, err
+    assert "No set was made of touches of this store" in out
+    assert "tactiledata transfer" in out
+
+
 def test_the_command_shows_what_is_kept_beside_any_metric(folder, capsys):
     """Three rows for each synthetic set stand in words and in JSON, and alone where only they are asked for."""
     typed = ("score", str(folder / "both.zarr"), "--frames", "6", "--metric")

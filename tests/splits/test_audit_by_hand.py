@@ -77,11 +77,11 @@ def test_parts_that_nobody_asked_for_may_be_empty(tmp_path):
 
 @pytest.mark.parametrize(("rows", "words"), [([7], "1 image is damaged and"), ([7, 3], "2 images are damaged and")])
 def test_images_that_were_not_compared(rows, words):
-    """One is, several are; the first frame is named; none is no finding."""
-    (found,) = _not_compared(rows, "damaged")
-    assert found.message.startswith(f"{words} not compared, first frame 7: `tactiledata check --repair`")
+    """One is, several are; the first frame and the command that marks them are named; none is no finding."""
+    (found,) = _not_compared(rows, "damaged", "check --decode --repair")
+    assert found.message.startswith(f"{words} not compared, first frame 7: `tactiledata check --decode --repair`")
     assert (found.severity, found.count) == ("warning", len(rows))
-    assert _not_compared([], "damaged") == []
+    assert _not_compared([], "damaged", "check --repair") == []
 
 
 def test_sizes_beyond_the_limit_are_told_by_the_table():

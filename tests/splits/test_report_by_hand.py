@@ -245,4 +245,4 @@ def test_the_split_that_a_store_gives_is_suggested(tmp_path):
     assert (found.report.options.force, found.reason) == (None, "")
     none = suggest_split(MemoryStore(tmp_path, trajectories(many(1))))
     assert (none.command, none.report) == ("", None)
-    assert "must stand together" in none.reason
+    assert "the store has one trajectory" in none.reason

@@ -209,7 +209,7 @@ def test_bad_options_are_refused_and_nothing_is_written(store, options, message)
     ("rows", "columns", "message"),
     [
         ([], {}, "no trajectories"),
-        (many(1), {}, "must stand together"),
+        (many(1), {}, "the store has one trajectory; expected at least two"),
         ([*many(1), {"parent": f"{0:016x}"}], {}, "must stand together"),
         (many(4), {"contact_force": np.full(12, np.nan)}, "--force none"),
         (many(4), {"flags": np.full(12, FrameFlag.MISSING)}, "has a whole image"),

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import simplejpeg
 from copied_trees import copy_tree
 from random_takes import SMALL, random_images, staged_take
 
@@ -67,6 +68,23 @@ FILES = {
     "sensors.json": "store-sensors",
 }
 """Files of every kind, and the finding when they are damaged."""
+
+
+def test_a_jpeg_that_decodes_to_a_damaged_picture_is_found(tmp_path: Path) -> None:
+    """Bytes that were damaged before they were recorded fit their checksum, and decoders show what they can of them."""
+    picture = np.random.default_rng(3).integers(0, 256, (32, 24, 3), np.uint8)
+    whole = simplejpeg.encode_jpeg(picture, 95)
+    damaged = bytearray(whole)
+    damaged[len(whole) // 2 : len(whole) // 2 + 200] = bytes(200)
+    assert simplejpeg.decode_jpeg(bytes(damaged), strict=False).shape == picture.shape
+    create(tmp_path, SMALL)
+    images = [Image("a", whole, "jpeg", 32, 24, 0), Image("a", bytes(damaged), "jpeg", 32, 24, 1)]
+    commit(tmp_path, [staged_take(tmp_path, 2, images=images)[0]])
+    [finding] = check(tmp_path, decode=True)
+    assert finding.code == "store-payload"
+    assert "frame 1: its JPEG decodes to a damaged picture" in finding.message
+    repair(tmp_path, decode=True)
+    assert Store.open(tmp_path).frames(["flags"])["flags"].to_pylist() == [0, FrameFlag.BROKEN]
 
 
 @pytest.mark.parametrize("file", FILES)
@@ -167,4 +185,12 @@ def test_undecodable_image_is_found_when_asked(tmp_path: Path) -> None:
     create(tmp_path, SMALL)
     commit(tmp_path, [staged_take(tmp_path, 2, images=[Image("a", b"no picture", "jpeg", 2, 3, 0)])[0]])
     assert check(tmp_path) == []
+    [finding] = check(tmp_path, decode=True)
+    assert (finding.code, finding.severity) == ("store-payload", "damage")
+    # the command that is named marks it; without decoding it is not found
+    assert "`check --decode --repair`" in finding.message
+    repair(tmp_path)
     assert codes(tmp_path, decode=True) == {"store-payload": "damage"}
+    repair(tmp_path, decode=True)
+    assert codes(tmp_path, decode=True) == {}
+    assert Store.open(tmp_path).frames(["flags"])["flags"].to_pylist() == [FrameFlag.BROKEN]

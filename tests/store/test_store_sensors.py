@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import cv2
@@ -9,7 +10,7 @@ import numpy as np
 import pytest
 from copied_trees import copy_tree
 
-from tactiledata.errors import StoreError, UsageError
+from tactiledata.errors import MissingFile, StoreError, UsageError
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.sensors.backgrounds import load_background
 from tactiledata.store.change.add_sensor import add_sensor, remove_sensor
@@ -44,6 +45,16 @@ def test_a_picture_of_a_recording_is_replaced_only_when_asked(store: Path, pictu
     assert (after.reference(serial).image == 77).all()
     assert after.digest != before.digest
     assert check(store, images=False) == []
+
+
+def test_what_is_no_file_is_not_said_to_be_missing(store: Path, tmp_path: Path) -> None:
+    """A folder, a pipe and a device are called so; only a name without anything is said not to exist."""
+    os.mkfifo(tmp_path / "pipe")
+    for path, words in ((tmp_path, "is a folder"), (tmp_path / "pipe", "is a pipe"), (Path("/dev/zero"), "a device")):
+        with pytest.raises(UsageError, match=f"{words}.*expected a JPEG or PNG file"):
+            add_sensor(store, "D9", path)
+    with pytest.raises(MissingFile, match="does not exist"):
+        add_sensor(store, "D9", tmp_path / "gone.png")
 
 
 def test_a_picture_by_hand_outlasts_a_replaced_recording(store: Path, picture: Path, tiny_mcaps: list[Path]) -> None:

@@ -221,7 +221,7 @@ def dependence_panel(projection: ProjectedResiduals, after: ProjectedResiduals |
     other = None if after is None else dependence(after, drift.parameter, drift.covariate)
     return Dependence(
         drift.parameter if unit in ("", "1") else f"{drift.parameter}, {unit}",
-        drift.covariate if covariate.unit in ("", "1") else f"{drift.covariate}, {covariate.unit}",
+        drift.covariate if covariate.unit in ("", "1", "?") else f"{drift.covariate}, {covariate.unit}",
         is_logarithmic(covariate.values),
         before.places,
         scale * before.departures,

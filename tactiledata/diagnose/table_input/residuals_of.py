@@ -81,7 +81,7 @@ def residuals_of(frame: pd.DataFrame, document: dict[str, Any] | None = None, gr
     columns = columns_of(frame, document, group)
     notes: list[str] = []
     rows = _without_strays(_whole_rows(frame, columns, notes), columns, notes)
-    groups = _group_numbers(rows[columns.group])
+    rows, groups = _without_repeats(rows, _group_numbers(rows[columns.group]), columns, notes)
     time = columns.covariates[columns.time][0] if columns.time else None
     if time and not (np.abs(rows[time].to_numpy(dtype=float, na_value=np.nan)) < LARGEST).all():
         time = None
@@ -171,6 +171,29 @@ def _without_strays(rows: pd.DataFrame, columns: Columns, notes: list[str]) -> p
     return rows[~is_stray]
 
 
+def _without_repeats(
+    rows: pd.DataFrame, groups: NDArray[np.int64], columns: Columns, notes: list[str]
+) -> tuple[pd.DataFrame, NDArray[np.int64]]:
+    """Return the rows, each once, and their groups, where a time tells a row that stands twice from an equal reading.
+
+    Twice the same row is no second reading: it would halve the scatter from row to row, to which the gap is measured.
+    """
+    times = rows[columns.covariates[columns.time][0]] if columns.time else pd.Series(0.0, index=rows.index)
+    if times.nunique() < 2:
+        return rows, groups
+    said = [pair.observed for pair in columns.quantities] + [pair.predicted for pair in columns.quantities]
+    values = rows[said].to_numpy(dtype=np.float64)
+    keys = np.column_stack([groups, times.to_numpy(dtype=np.float64, na_value=np.nan), values])
+    is_repeat = pd.DataFrame(keys).duplicated().to_numpy()
+    if is_repeat.any():
+        n_repeats = int(is_repeat.sum())
+        notes.append(
+            f"{counted(n_repeats, 'row')} of {len(rows)} left out: another row of the group has the same time, "
+            "observations and predictions"
+        )
+    return rows.loc[~is_repeat], groups[~is_repeat]
+
+
 def _thinned(rows: pd.DataFrame, groups: NDArray[np.int64], notes: list[str]) -> tuple[pd.DataFrame, NDArray[np.int64]]:
     """Return evenly spaced rows of each group, its first one included, where there are more than `MOST_ROWS` rows."""
     stride = -(-len(rows) // MOST_ROWS)
@@ -250,11 +273,18 @@ def _quantities(rows: pd.DataFrame, columns: Columns) -> tuple[Array, Array, Arr
     observed, predicted, noise = (np.ones((len(rows), len(columns.quantities))) for _ in range(3))
     for place, pair in enumerate(columns.quantities):
         observed[:, place], predicted[:, place] = rows[pair.observed], rows[pair.predicted]
-        if np.ptp(observed[:, place]) == 0:
+        spread = float(np.ptp(observed[:, place]))
+        if spread == 0:
             raise TactileDataError(
                 f"column {pair.observed} is {observed[0, place]:g} in every row", "an observation that varies",
                 "Is the instrument connected? Leave the column out, or use other rows.",
             )  # fmt: skip
+        if spread <= SMALLEST:
+            raise TactileDataError(
+                f"column {pair.observed} varies by {spread:.3g} only",
+                f"an observation that varies by more than {SMALLEST:g}: the square of less is rounded to 0",
+                "Give observation and prediction in a smaller unit.",
+            )
         if pair.noise is not None:
             noise[:, place] = rows[pair.noise] if isinstance(pair.noise, str) else pair.noise
         if not (noise[:, place] > SMALLEST).all():

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Container, Iterable
 
 from tactiledata.contract.records import Finding
+from tactiledata.contract.wording import counted
 from tactiledata.formats.mcap.roles import IMAGE_KINDS, KINDS_OF_SIGNAL, TF_KIND, Roles, Topic
 
 STREAMS = {
@@ -19,7 +20,9 @@ MOST_NAMES = 4
 def passed_over(
     topics: Iterable[Topic], roles: Roles, n_messages: dict[str, int], stated: Container[str]
 ) -> list[Finding]:
-    """A finding for each stream that no topic is read as, although topics of its type hold messages.
+    """What topics hold and nobody reads: a finding for all that are left, and one for each stream that is missing.
+
+    A stream is missing where no topic is read as it, although topics of its type hold messages.
 
     Parameters
     ----------
@@ -32,13 +35,14 @@ def passed_over(
         Streams that a mapping names: what of them is not there is said already.
     """
     read = {role.name for role in roles.signals} | ({"images"} if roles.images else set())
-    left = [topic for topic in topics if topic.name not in roles.topics and n_messages.get(topic.name, 1)]
-    found = []
+    known = list(topics)
+    left = [topic for topic in known if topic.name not in roles.topics and n_messages.get(topic.name, 1)]
+    found = [_not_read(left, len(known))] if left else []
     for stream, kinds in STREAMS.items():
         names = sorted(topic.name for topic in left if topic.kind in kinds)
         if stream in read or stream in stated or not names:
             continue
-        listed = ", ".join(names[:MOST_NAMES]) + (" …" if len(names) > MOST_NAMES else "")
+        listed = _listed(names)
         why = "its name says" if len(names) == 1 else "their names say"
         text = (
             f"nothing is read as {stream}, and {listed} could be it: {why} too little. Name the topic in a mapping: "
@@ -46,3 +50,19 @@ def passed_over(
         )
         found.append(Finding("topic-left", "warning", text, count=len(names)))
     return found
+
+
+def _not_read(left: list[Topic], n_topics: int) -> Finding:
+    """Say which topics stay behind, and how to read them."""
+    names = sorted({topic.name for topic in left})
+    are = "is" if len(names) == 1 else "are"
+    text = (
+        f"{len(names)} of {counted(n_topics, 'topic')} {are} not read: {_listed(names)}. "
+        "`tactiledata inspect PATH --suggest-mapping` writes a mapping with the lines that read each"
+    )
+    return Finding("topics-not-read", "info", text, count=len(names))
+
+
+def _listed(names: list[str]) -> str:
+    """The first names in words, with a mark where there are more."""
+    return ", ".join(names[:MOST_NAMES]) + (" …" if len(names) > MOST_NAMES else "")

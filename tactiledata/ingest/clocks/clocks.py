@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactiledata.contract.records import Finding, Stamps, Times
+from tactiledata.errors import BrokenLog
 from tactiledata.ingest.clocks.witnesses import usual_distance
 
 NEAR = 1_000_000_000
@@ -62,6 +63,11 @@ def choose_clock(
     stated_offset_ns : int, optional
         Offset that the recording states (host = stream + offset), 0 too. It wins over an estimate. The log time
         beside other stamps is the host's already, and gets none.
+
+    Raises
+    ------
+    BrokenLog
+        A stated offset takes times beyond what 64 bits hold.
     """
     if len(stamps) == 0:
         return ClockChoice(stamps.log, "log", 0, ())
@@ -69,20 +75,20 @@ def choose_clock(
     offset_ns = stated_offset_ns or 0
     log_offset_ns = offset_ns if is_only_clock else 0
     if preference == "log":
-        return ClockChoice(stamps.log + log_offset_ns, "log", log_offset_ns, ())
+        return ClockChoice(_moved(stream, stamps.log, log_offset_ns), "log", log_offset_ns, ())
     if preference == "publish" and stamps.publish is not None:
-        return ClockChoice(stamps.publish + offset_ns, "publish", offset_ns, ())
+        return ClockChoice(_moved(stream, stamps.publish, offset_ns), "publish", offset_ns, ())
     if preference == "publish":
-        return ClockChoice(stamps.log + log_offset_ns, "publish", log_offset_ns, ())
+        return ClockChoice(_moved(stream, stamps.log, log_offset_ns), "publish", log_offset_ns, ())
     header = stamps.header
     reason = _why_not_header(stamps)
     if preference == "header" and header is not None and bool((header > 0).all()):
-        return ClockChoice(header + offset_ns, "header", offset_ns, ())
+        return ClockChoice(_moved(stream, header, offset_ns), "header", offset_ns, ())
     if header is None or reason:
         findings = _log_time_taken(stream, reason, offset_ns - log_offset_ns)
-        return ClockChoice(stamps.log + log_offset_ns, "log", log_offset_ns, findings)
+        return ClockChoice(_moved(stream, stamps.log, log_offset_ns), "log", log_offset_ns, findings)
     if stated_offset_ns is not None:
-        return ClockChoice(header + offset_ns, "header", offset_ns, ())
+        return ClockChoice(_moved(stream, header, offset_ns), "header", offset_ns, ())
     # the middle one, not np.median: its float64 would round epoch nanoseconds
     distance = int(np.partition(stamps.log - header, len(header) // 2)[len(header) // 2])
     if abs(distance) < NEAR:
@@ -96,6 +102,19 @@ def choose_clock(
         count=len(stamps),
     )
     return ClockChoice(header + distance, "header+shift", distance, (shifted,))
+
+
+def _moved(stream: str, t_ns: Times, offset_ns: int) -> Times:
+    """Times with a stated offset; where 64 bits do not hold them, an error instead of times of another millennium."""
+    limits = np.iinfo(np.int64)
+    if int(t_ns.min()) + offset_ns < limits.min or int(t_ns.max()) + offset_ns > limits.max:
+        raise BrokenLog(
+            f"{stream}: its stated offset of {offset_ns} ns takes its times beyond what 64 bits hold",
+            "host = stream + offset, in nanoseconds",
+            "Mend offset_ns of that stream under clocks.",
+            stream=stream,
+        )
+    return t_ns + offset_ns
 
 
 def _log_time_taken(stream: str, reason: str, unused_offset_ns: int) -> tuple[Finding, ...]:
@@ -147,7 +166,8 @@ def time_order(stream: str, t_ns: Times) -> tuple[Times | None, tuple[Finding, .
     """Row order that sorts the times (``None``: already sorted), and what is to be said about it."""
     steps = np.diff(t_ns)
     findings: list[Finding] = []
-    repeated = int((steps == 0).sum())
+    # in order, so that rows which stand twice are met beside each other
+    repeated = int((np.diff(np.sort(t_ns)) == 0).sum())
     if repeated:
         findings.append(
             Finding(

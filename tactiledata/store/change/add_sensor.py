@@ -161,6 +161,9 @@ def _refuse_other(folder: Path, name: str, replace: bool) -> None:
 
 def read_picture(path: Path) -> tuple[NDArray[np.uint8], list[Finding]]:
     """The picture (H, W, 3) RGB in a file, and findings where it is not 8-bit RGB as stored."""
+    if path.exists() and not path.is_file():
+        what = "a folder" if path.is_dir() else "a pipe or a device"
+        raise UsageError(f"{path} is {what}", "a JPEG or PNG file", "Name the picture's own file.")
     if not path.is_file():
         raise MissingFile(f"{path} does not exist", "a JPEG or PNG file", "Check the spelling.", path=str(path))
     refuse_lfs_pointer(path)

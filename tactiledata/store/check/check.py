@@ -200,7 +200,7 @@ def image_findings(store: Store, decode: bool, threads: int | None, said: Callab
     findings = []
     if new:
         shown = "; ".join(f"frame {row}: {why}" for row, why in new[:5]) + ("; …" if len(new) > 5 else "")
-        message = f"{_damaged_words(len(new))} ({shown}); `check --repair` marks them as broken"
+        message = f"{_damaged_words(len(new))} ({shown}); `check {'--decode ' * decode}--repair` marks them as broken"
         findings.append(_damage("store-payload", message, count=len(new)))
     if marked:
         message = f"{_damaged_words(marked)} and marked as broken"

@@ -7,6 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import google_crc32c
 import numpy as np
+import simplejpeg
 
 from tactiledata.contract.image_batches import image_batches
 from tactiledata.contract.image_bytes import size_fault
@@ -56,7 +57,7 @@ def payload_faults(
         for row, payload in zip(rows, payloads, strict=True):
             fault = _fault(payload, int(crc32c[row])) or _size_fault(payload, int(height[row]), int(width[row]))
             if not fault and decode and payload is not None and not flags[row] & FrameFlag.BROKEN:
-                fault = _decode_fault(store, row)
+                fault = _decode_fault(store, row) or _jpeg_fault(payload)
             if fault:
                 faults.append((row, fault))
         return faults
@@ -94,4 +95,19 @@ def _decode_fault(store: Store, row: int) -> str:
         store.images([row], threads=1)
     except TactileDataError as error:
         return error.found
+    return ""
+
+
+def _jpeg_fault(payload: bytes | str) -> str:
+    """What a decoder passes over in a damaged JPEG to show the rest of the picture; empty where there is nothing."""
+    if not isinstance(payload, bytes) or not payload.startswith(b"\xff\xd8"):
+        return ""
+    try:
+        simplejpeg.decode_jpeg(payload)
+    except ValueError as error:
+        try:
+            simplejpeg.decode_jpeg(payload, strict=False)
+        except ValueError:  # of a kind that this decoder does not know at all; another has decoded it
+            return ""
+        return f"its JPEG decodes to a damaged picture: {error}"
     return ""

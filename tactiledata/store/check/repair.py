@@ -47,7 +47,7 @@ def repair(store_path: Path | str, decode: bool = False, progress: Progress | No
     store_path : Path or str
         Folder of the store.
     decode : bool
-        Whether the check afterwards decodes every image.
+        Whether every image is decoded, so that those that do not decode are marked too.
     progress : callable, optional
         Told of the check afterwards.
 
@@ -67,7 +67,7 @@ def repair(store_path: Path | str, decode: bool = False, progress: Progress | No
         mended = list(_stretch(folder, manifest))
         broken = {table for table, found in table_findings(Store.open(folder)).items() if found}
         if "frames" not in broken:
-            mended += _mark_broken(folder, manifest)
+            mended += _mark_broken(folder, manifest, decode)
         if not broken and not list(manifest_findings(manifest)):
             refresh_card(folder, manifest)
         mended += _splits_listed(folder)
@@ -123,7 +123,7 @@ def _stretch(folder: Path, manifest: Manifest) -> Iterator[Finding]:
         for path, length in wanted:
             try:
                 shape = json.loads(batch.read(f"{path}/zarr.json"))["shape"]
-            except (OSError, ValueError, KeyError):
+            except (OSError, ValueError, KeyError, TypeError, RecursionError):
                 continue
             if shape[0] != length:
                 yield _mended(f"array {path} said {shape[0]} rows, set to {length}")
@@ -131,11 +131,11 @@ def _stretch(folder: Path, manifest: Manifest) -> Iterator[Finding]:
         batch.publish()
 
 
-def _mark_broken(folder: Path, manifest: Manifest) -> list[Finding]:
+def _mark_broken(folder: Path, manifest: Manifest, decode: bool) -> list[Finding]:
     """Frames whose payload is damaged get the flag BROKEN: their parts are written anew, then the manifest."""
     store = Store.open(folder)
     flags = np.asarray(store.frames(["flags"])["flags"])
-    bad = [row for row, _ in payload_faults(store) if not flags[row] & FrameFlag.BROKEN]
+    bad = [row for row, _ in payload_faults(store, decode) if not flags[row] & FrameFlag.BROKEN]
     if not bad:
         return []
     rows = np.array(bad)

@@ -11,7 +11,7 @@ from tactiledata.contract.records import Finding
 from tactiledata.contract.schema import check_document
 from tactiledata.contract.sealed import SEAL, fits_seal
 from tactiledata.contract.wording import counted
-from tactiledata.errors import MissingFile, NotFetched, SchemaError, TactileDataError
+from tactiledata.errors import MissingFile, NotFetched, SchemaError, StoreError, TactileDataError
 from tactiledata.store.layout.made_splits import made_names
 from tactiledata.store.layout.places import MADE_SPLITS
 from tactiledata.store.read.reader import Store
@@ -39,6 +39,8 @@ def split_findings(store: Store) -> Iterator[Finding]:
         except NotFetched as error:
             yield Finding("store-split", "damage", error.found, stream=name)
             continue
+        except StoreError as error:  # of the document or of its table, which it names
+            fault = f"splits/{name} cannot be checked: {error.found}"
         except (ValueError, TypeError, KeyError, RecursionError, TactileDataError):
             fault = f"splits/{name} cannot be read"
         if fault:
@@ -61,7 +63,7 @@ def _gone(store: Store, files: list[str]) -> Iterator[Finding]:
         return
     except NotFetched:  # said by what looks for pointers
         return
-    except SchemaError as error:
+    except (SchemaError, StoreError) as error:
         yield Finding("store-split", "damage", str(error), stream=MADE_SPLITS)
         return
     gone = [name for name in made if not {f"{name}.json", f"{name}.parquet"} & set(files)]

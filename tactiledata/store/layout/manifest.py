@@ -15,6 +15,7 @@ from tactiledata.contract.schema import check_document
 from tactiledata.contract.sealed import SEAL, fits_seal, sealed_json
 from tactiledata.errors import MissingFile, SchemaError, StoreError
 from tactiledata.store.layout.places import FORMAT, FORMAT_NAME, FORMAT_VERSION, MANIFEST, TABLES, Settings
+from tactiledata.store.layout.regular_files import need_regular
 
 Manifest = dict[str, Any]
 
@@ -161,6 +162,7 @@ def read_manifest(store_path: Path | str, checked: bool = True, damaged: bool = 
         The folder is not a store, or of another version.
     """
     folder = Path(store_path)
+    need_regular(folder / MANIFEST)
     try:
         content = (folder / MANIFEST).read_bytes()
     except (FileNotFoundError, NotADirectoryError) as error:

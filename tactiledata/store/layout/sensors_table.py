@@ -101,7 +101,7 @@ def parse_sensors(content: bytes | None, manifest: Mapping[str, Any], where: str
     try:
         facts = json.loads(content or b"")
         return {sensor: facts[sensor] for sensor in manifest["sensors"]}
-    except (ValueError, KeyError, TypeError) as error:
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise StoreError(
             f"{where} does not hold the sensors that the manifest names: {error}",
             f"facts of {', '.join(sorted(manifest['sensors']))}",

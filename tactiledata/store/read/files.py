@@ -17,6 +17,7 @@ from zarr.storage import FsspecStore, LocalStore
 
 from tactiledata.contract.lfs_pointer import START, refuse_pointer_bytes
 from tactiledata.errors import LostFile, StoreError
+from tactiledata.store.layout.regular_files import need_regular, need_regular_files
 
 MOST_MAPS = 256
 """Files that are mapped at once; each keeps a file descriptor, and 1024 is a usual limit."""
@@ -109,6 +110,7 @@ class LocalFiles(StoreFiles):
         return {**self.__dict__, "_maps": OrderedDict(), "_arrays": OrderedDict()}
 
     def _read(self, path: str) -> bytes:
+        need_regular(self._folder / path)
         return (self._folder / path).read_bytes()
 
     def spans(self, spans: Sequence[Span]) -> list[bytes]:
@@ -135,6 +137,7 @@ class LocalFiles(StoreFiles):
     def _map(self, path: str, anew: bool = False) -> mmap.mmap | bytes:
         mapped = None if anew else self._maps.get(path)
         if mapped is None:
+            need_regular(self._folder / path)
             with (self._folder / path).open("rb") as stream:
                 if not os.fstat(stream.fileno()).st_size:
                     return b""  # what cannot be mapped
@@ -171,6 +174,7 @@ class LocalFiles(StoreFiles):
         document = (os.getpid(), facts.st_ino, facts.st_mtime_ns, facts.st_size)
         known = self._arrays.get(path)
         if known is None or known[0] != document:
+            need_regular_files(self._folder / path)
             known = self._arrays[path] = (document, _opened(LocalStore(self._folder, read_only=True), path, self))
             if len(self._arrays) > MOST_ARRAYS:
                 self._arrays.popitem(last=False)

@@ -143,7 +143,7 @@ class Pictures:
             f"the image of frame {row} ({len(content)} bytes) {what}"
             + (" (the store marks it as broken)" if marked else ""),
             expected,
-            "Leave out frames with the flag BROKEN; `tactiledata check --repair` marks damaged ones.",
+            "Leave out frames with the flag BROKEN; `tactiledata check --decode --repair` marks damaged ones.",
             row=row,
         )
 

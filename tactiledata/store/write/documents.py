@@ -70,6 +70,9 @@ def document_faults(store: Store) -> Iterator[tuple[str, str]]:
         except NotFetched:
             yield path, POINTER
             continue
+        except StoreError:
+            yield path, "is a pipe or a device, and no file"
+            continue
         if path not in recorded:
             yield path, "has no digest in the manifest"
         elif bytes_digest(content) != recorded[path] and not _is_ahead(store, path, content):

@@ -260,9 +260,10 @@ def test_a_topic_that_is_not_there_is_said(tmp_path):
     touch(tmp_path / "run.mcap", count=4)
     mapping = {**MAPPING, "signals": {"tcp": {"topic": "/tcp_pose_broadcaster/poses"}}}
     recording, _ = read_one(tmp_path / "run.mcap", mapping)
-    [finding] = recording.findings
-    assert finding.code == "missing-topic"
-    assert "did you mean /tcp_pose_broadcaster/pose" in finding.message
+    missing, left = sorted(recording.findings, key=lambda finding: finding.code)
+    assert (missing.code, left.code) == ("missing-topic", "topics-not-read")
+    assert "did you mean /tcp_pose_broadcaster/pose" in missing.message
+    assert "is not read: /tcp_pose_broadcaster/pose. " in left.message
     assert "tcp" not in recording.signals
 
 

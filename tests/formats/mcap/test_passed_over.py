@@ -53,6 +53,24 @@ def test_a_stream_that_no_topic_is_read_as_is_said(tmp_path, topics, words):
     assert all(word in message for word in [*words, "--suggest-mapping"])
 
 
+def test_topics_that_nobody_reads_are_named(tmp_path):
+    """Topics of whatever type that stay behind are counted and named, with or without a mapping."""
+    topics = [("image", "/digit/a"), ("wrench", "/robotiq_ft_wrench"), ("wrench", "/other/ft"), ("tcp", "/tool/place")]
+    path = recorded(tmp_path / "run.mcap", topics)
+
+    def said(path, mapping=None):
+        [(recording, _)] = read(FORMAT, path, mapping)
+        return [(one.message, one.count) for one in recording.findings if one.code == "topics-not-read"]
+
+    [(message, count)] = said(path)
+    assert count == 2
+    assert message.startswith("2 of 4 topics are not read: /other/ft, /tool/place. ")
+    assert "--suggest-mapping" in message
+    mapping = {"format": "tactiledata-mapping/1", "signals": {"tcp": {"topic": "/tool/place"}}}
+    assert [count for _, count in said(path, mapping)] == [1]
+    assert said(recorded(tmp_path / "all.mcap", topics[:2])) == []
+
+
 def test_what_is_read_or_not_there_is_not_said(tmp_path):
     """With known names, or once a mapping names the topic, nothing is left; other wrenches do not count then."""
     topics = [("image", "/digit/a"), ("wrench", "/robotiq_ft_wrench"), ("wrench", "/other/ft"), ("image", "/webcam")]

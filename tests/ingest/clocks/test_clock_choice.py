@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from tactiledata.contract.records import Stamps
+from tactiledata.errors import BrokenLog
 from tactiledata.ingest.clocks.clocks import AROUND, NEAR, STEADY, choose_clock, time_order
 
 START = 1_700_000_000_000_000_000
@@ -215,14 +216,29 @@ def test_two_messages_of_a_slow_header_do_not_jump():
     assert choose_clock("wrench", Stamps(log, None, log + np.array([0, 210 * MS]))).clock == "header"
 
 
+@pytest.mark.parametrize("preference", ["auto", "header", "publish", "log"])
+@pytest.mark.parametrize("offset_ns", [9 * 10**18, -9 * 10**18])
+def test_an_offset_beyond_64_bits_is_refused(preference, offset_ns):
+    """Times of today with such an offset would wrap into another millennium; of a clock that began at 0 they do not."""
+    t_ns = np.sign(offset_ns) * (START + np.arange(5) * MS)
+    only = Stamps(t_ns, None, None)
+    with pytest.raises(BrokenLog, match=f"wrench: its stated offset of {offset_ns} ns .* 64 bits"):
+        choose_clock("wrench", only, preference, offset_ns)
+    boot = Stamps(np.arange(5) * MS, None, None)
+    assert (choose_clock("wrench", boot, preference, offset_ns).t_ns == boot.log + offset_ns).all()
+
+
 def test_what_is_said_of_the_order_of_times():
-    """Counts of repeated and of backward samples, and the largest step back in milliseconds."""
+    """Counts of repeated and of backward samples, and the largest step back in milliseconds.
+
+    Times that stand twice are counted in order, also where they stood apart.
+    """
     order, said = time_order("wrench", START + np.array([0, 5, 5, 4 * 10**15, 0, 0, 3]))
     assert order.tolist() == [0, 4, 5, 6, 1, 2, 3]
     assert [(one.code, one.count, one.stream, one.severity) for one in said] == [
-        ("duplicate-stamps", 2, "wrench", "warning"),
+        ("duplicate-stamps", 3, "wrench", "warning"),
         ("time-order", 1, "wrench", "warning"),
     ]
-    assert "2 of 7 samples have the time of the sample before" in said[0].message
+    assert "3 of 7 samples have the time of the sample before" in said[0].message
     assert "by up to 4000000000.0 ms; sorted" in said[1].message
     assert time_order("wrench", START + np.array([1, 0]))[1][0].count == 1

@@ -1,0 +1,84 @@
+"""Pipes, devices and endless documents in the place of a store's files are refused in words, and not read."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+from copied_trees import copy_tree
+
+from tactiledata.errors import StoreError
+from tactiledata.store.check.check import check
+from tactiledata.store.read.reader import Store
+
+WORDS = "is a pipe or a device, or a link to one; expected a file"
+
+
+def one_of(folder: Path, pattern: str) -> Path:
+    """The first file of a store that has such a name."""
+    return min(folder.glob(pattern))
+
+
+@pytest.fixture
+def folder(tiny_store: Path, tmp_path: Path) -> Path:
+    """A copy of the tiny store."""
+    return copy_tree(tiny_store, tmp_path / "ds.zarr")
+
+
+def in_its_place(place: Path, kind: str) -> None:
+    """A pipe, or a link to a device that never ends, instead of a file."""
+    place.unlink()
+    if kind == "pipe":
+        os.mkfifo(place)
+    else:
+        place.symlink_to("/dev/zero")
+
+
+@pytest.mark.parametrize("kind", ["pipe", "device"])
+@pytest.mark.parametrize(
+    "pattern",
+    [
+        "index/sources.parquet/*.parquet",
+        "index/frames.parquet/*.parquet",
+        "streams/digit/heap/c.0",
+        "signals/wrench/value/c.0.0",
+        "sensors.json",
+        "splits/default.json",
+        "splits/default.parquet",
+    ],
+)
+def test_a_pipe_or_a_device_is_found_and_not_read(folder: Path, kind: str, pattern: str) -> None:
+    """The check reports damage and ends, where it read a device without end and waited for a pipe."""
+    in_its_place(one_of(folder, pattern), kind)
+    assert "damage" in {finding.severity for finding in check(folder)}
+
+
+@pytest.mark.parametrize("kind", ["pipe", "device"])
+def test_a_manifest_that_is_no_file_is_refused(folder: Path, kind: str) -> None:
+    """A store whose manifest is a pipe or a device is not opened."""
+    in_its_place(folder / "manifest.json", kind)
+    with pytest.raises(StoreError, match=WORDS):
+        Store.open(folder)
+
+
+def test_a_table_that_is_a_device_is_named(folder: Path) -> None:
+    """Whoever reads the table is told which file it is."""
+    place = one_of(folder, "index/sources.parquet/*.parquet")
+    in_its_place(place, "device")
+    with pytest.raises(StoreError, match=f"{place.name} {WORDS}"):
+        Store.open(folder).sources()
+
+
+def test_brackets_without_end_are_no_facts_of_sensors(folder: Path) -> None:
+    """`sensors.json` of brackets alone is refused in words, as other documents are."""
+    (folder / "sensors.json").write_bytes(b"[" * 100_000)
+    with pytest.raises(StoreError, match=r"sensors\.json does not hold the sensors"):
+        Store.open(folder).sensors()
+
+
+def test_a_table_of_a_split_that_is_a_pipe_is_named(folder: Path) -> None:
+    """The finding names the table, not the document that is whole."""
+    in_its_place(folder / "splits/default.parquet", "pipe")
+    [finding] = [one for one in check(folder, images=False) if one.code == "store-split"]
+    assert "default.parquet is a pipe or a device" in finding.message
