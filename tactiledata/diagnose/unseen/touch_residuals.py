@@ -31,7 +31,9 @@ OF_THE_GEL: Mapping[str, float] = {
 
 
 def scatter_beyond_noise(sizes: Array, variances: Array) -> float:
-    """Return the standard deviation e by which sizes (c,) scatter beyond the variances (c,) that noise gives them.
+    """Return the standard deviation e by which c sizes scatter beyond the variances (c,) that noise gives them.
+
+    A size is an estimated number, such as the contrast of one world, and noise gives each a variance of its own.
 
     It solves ``mean(sizes^2 / (variances + e^2)) = 1``: the sizes are taken to scatter about 0. It is 0 where noise
     alone explains the scatter, and has the unit of the sizes. Source: the moment estimator of a variance component
