@@ -4,6 +4,11 @@ Recordings come in by `formats` and `ingest`, lie in a `store`, and go out by `s
 and `optics` simulate a touch; `calibrate` and `replay` fit and play recordings; `diagnose` names the physics that the
 simulation lacks. `rig` makes recordings with known truth; `cli` is the command line. docs/architecture.md has a map.
 
+These parts share `sensors` and `indenters` (which instruments, which solids), `nuisance` (differences that are no
+physics), `metrics` and `scoring` (how far apart pictures are), `report` (pages) and `compute` (where tasks run). At the
+bottom lie `contract` (what parts hand to each other), `units`, `transforms`, `registry` (tables of names), `arrays`
+(types) and `errors`.
+
 Importing this package imports neither torch nor mujoco; each part is imported where it is used.
 """
 

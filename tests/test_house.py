@@ -100,6 +100,32 @@ def test_a_folder_is_small_and_has_a_tour(folder):
     assert len(lines) >= TOUR_LINES, f"{folder.name}: {len(lines)} lines"
 
 
+def unnamed_modules(folder):
+    """Modules and rooms of a folder that neither its tour names, in backticks, nor a table beside the tour."""
+    tree = ast.parse((folder / "__init__.py").read_text(encoding="utf-8"))
+    named = set(re.findall(r"\w+", " ".join(re.findall(r"`+([^`]+)`+", ast.get_docstring(tree) or ""))))
+    targets = [node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str)]
+    # a member of a family is in its table as "package.module:Object"
+    named |= {target.partition(":")[0].rpartition(".")[2] for target in targets if re.fullmatch(r"[\w.]+:\w+", target)}
+    modules = {path.stem for path in folder.glob("*.py")} | {path.parent.name for path in folder.glob("*/__init__.py")}
+    return sorted(modules - named - {"__init__"})
+
+
+@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.relative_to(ROOT).as_posix())
+def test_a_tour_names_every_module(folder):
+    """Whoever reads a folder's tour learns of each of its modules and rooms; a family's members stand in its table."""
+    assert not unnamed_modules(folder)
+
+
+def test_a_module_that_no_tour_names_is_found(tmp_path):
+    """Names in plain words and in other texts do not count, those in backticks and in tables do."""
+    for name in ("spring", "damper", "mass", "room/__init__"):
+        (tmp_path / f"{name}.py").parent.mkdir(exist_ok=True)
+        (tmp_path / f"{name}.py").touch()
+    (tmp_path / "__init__.py").write_text('"""A spring, ``mass``."""\nTABLE = {"damper": "a.damper:Damper"}\n')
+    assert unnamed_modules(tmp_path) == ["room", "spring"]
+
+
 def test_modules_are_short():
     """A module has at most 350 lines."""
     shrinking("long modules", [n for n, path in SOURCES.items() if len(path.read_text().splitlines()) > MOST_LINES])

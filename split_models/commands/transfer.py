@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from split_models.transfer.methods import LATENT
+from split_models.transfer.pixels import PIXEL_TRANSFERS
 from tactiledata.cli.explain import damage_explains
 from tactiledata.cli.given_values import listed_names
 from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say
@@ -22,6 +24,15 @@ MODEL = typer.Option(None, "--model", help="Checkpoint of an image VAE [default:
 OUT = typer.Option(None, "--out", help="Store to write [default: transferred/STORE-TARGET-METHOD.zarr].")
 
 
+def method_help() -> str:
+    """Return the help of ``--method``: the names of all methods as they are typed, those by a model first."""
+    *names, last = (name.replace("_", "-") for name in (*LATENT, *PIXEL_TRANSFERS))
+    return (
+        f"{', '.join(names)} or {last} [default: latent-relit where the model draws the store's own touches, else "
+        "relit]."
+    )
+
+
 def register(app: typer.Typer) -> None:
     """Add the command `transfer` to the application."""
     app.command("transfer")(transfer)
@@ -33,9 +44,7 @@ def transfer(
     method: str = typer.Option(
         None,
         "--method",
-        help="relit, latent-relit, latent-on-background, latent, latent-ratio-on-background, adain, background-swap, "
-        "background-ratio, histogram-matching, reinhard, fourier or no-contact [default: latent-relit where the model "
-        "draws the store's own touches, else relit].",
+        help=method_help(),
     ),
     model: Path = MODEL,
     sources: str = typer.Option(

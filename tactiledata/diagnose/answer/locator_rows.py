@@ -145,11 +145,14 @@ class Binned:
 
 
 def dependence(projection: ProjectedResiduals, parameter: str, covariate: str) -> Binned:
-    """Return the departure of a shared parameter that the data of each bin alone imply.
+    """Return the departure of a shared parameter from its refitted value that the data of each bin alone imply.
+
+    At most `BINS` bins of the covariate hold equal shares of what the data say of the parameter.
 
     Parameters
     ----------
     projection : ProjectedResiduals
+        Residuals after the refit.
     parameter, covariate : str
         Names of the parameter and of the covariate.
     """

@@ -6,7 +6,7 @@ The residuals of any simulation enter. No gel and no catalogue of effects is nee
 - `candidates`: what may each number multiply (a parameter or a component), and which products are tried?
 - `shifted`: would a shift of a measured length explain the residual?
 - `select`: which candidates do halves of the trajectories choose again and again?
-- `open_form`: which formula do the chosen terms make, with which coefficients?
+- `open_form`: which formula do the chosen terms make, with which coefficients and in which words?
 - `likeness`: which known effect does the formula resemble?
 - `unseen`: does the formula hold on trajectories that had no part in choosing or fitting it?
 - `surface`: how do the residuals vary over two covariates where no formula is found?

@@ -67,8 +67,8 @@ def pursue(scores: Array, grams: Array, picks: int = PICKS) -> Indices:
     """Return which terms (b, picks) orthogonal matching pursuit picks, in b problems of m terms at once.
 
     Terms are numbered from 0 to m - 1. Each pick is the term that lowers the squared residual most after the picks
-    before it; they stand in the order in which they are picked. Where the picks before leave nothing of any term, as
-    where ``picks`` is larger than m, the number that is returned has no meaning.
+    before it; they stand in the order in which they are picked. Where no term would lower it, as where ``picks`` is
+    larger than the number of independent terms, the number is -1.
 
     Parameters
     ----------
@@ -87,10 +87,11 @@ def pursue(scores: Array, grams: Array, picks: int = PICKS) -> Indices:
         norms = np.einsum("bmm->bm", grams)
         gains = np.where(norms > SINGULAR * first, scores**2 / np.where(norms > 0, norms, 1.0), 0.0)
         best = gains.argmax(axis=1)
-        chosen[:, pick] = best
-        # project the pick out of every term and of the residual
+        is_picked = gains[rows, best] > 0
+        chosen[:, pick] = np.where(is_picked, best, -1)
+        # project the pick out of every term and of the residual; division by infinity leaves them as they are
         column = grams[rows, :, best]
-        pivot = np.maximum(column[rows, best], 1e-300)
+        pivot = np.where(is_picked, column[rows, best], np.inf)
         scores -= column * (scores[rows, best] / pivot)[:, None]
         grams -= column[:, :, None] * column[:, None, :] / pivot[:, None, None]
     return chosen
@@ -115,7 +116,7 @@ def stable_choices(by_unit: Array, grams: Array, rng: np.random.Generator) -> li
     total = grams.sum(axis=0)
     size = np.sqrt(np.maximum(np.diag(total), 1e-300))
     cosines = np.abs(total) / np.outer(size, size)
-    votes = np.bincount(chosen.ravel(), minlength=width)
+    votes = np.bincount(chosen[chosen >= 0], minlength=width)
     # a term joins the first family whose most chosen member is nearly the same field
     families: list[list[int]] = []
     for term in np.argsort(-votes, kind="stable"):

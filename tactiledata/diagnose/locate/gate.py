@@ -84,7 +84,9 @@ class Gate:
 
 
 def gate(projection: ProjectedResiduals, noise: NoiseModel, seed: int = 0, draws: int = DRAWS) -> Gate:
-    """Compare a residual of known noise with residuals that are simulated without missing physics.
+    """Return whether a residual exceeds residuals that are simulated without missing physics, with a p-value.
+
+    The locators run whatever the result is; `locate` corrects its p-value together with theirs.
 
     Parameters
     ----------

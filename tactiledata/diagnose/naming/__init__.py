@@ -8,13 +8,14 @@ Read in this order:
 4. `linearise`, `joint_fit`: the fit of E, nu and mu, effects and all nuisance parameters together. A fit is settled
    when its errors of the simulation, which are shares of simulated forces, are those about itself.
    `error_sizes`: how large these errors are, for each indenter, from the data at hand.
-   `own_error_sizes`: how large those of single touches are, and which touches do not belong to the others.
+   `own_error_sizes`: how large those of single touches are, and which touches do not belong to the others; these
+   stay in the fit and are named.
    `refit`: which effects and pairs of effects are fitted in this way.
 5. `held_out`: how well fits predict data they have not seen. `remaining_structure`: whether the best fit leaves more
    than noise.
 6. `agreement`: how well trajectories agree on an effect. `evidence`: gain, evidence and signature of a candidate, and
    the objections to it. `thresholds`: the evidence that a claim of each effect needs, the other numbers of a claim,
-   and where they come from. `decide`: the answer and its ties.
+   and where they come from. `decide`: the answer: a claim with its ties, a trace (below detection), or nothing.
 7. `intervals`, `identifiability`, `simulator_share`: how certain the numbers are, what these data could show at all,
    what the fit attributes to errors of the simulation.
 8. `options`, `name_effects`: the choices, and all steps in order. `rivals`: which explanations the answer leaves open.

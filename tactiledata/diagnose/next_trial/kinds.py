@@ -110,7 +110,7 @@ def slides(bench: TrialBench) -> Trial:
 
 
 def hold_then_slide(bench: TrialBench) -> Trial:
-    """Return holds of 1, 10 and 100 s before a slide: they show how friction grows at rest."""
+    """Return three touches of a ball, held for 1, 10 and 100 s before a slide: they show how friction grows at rest."""
     depth = 0.75 * bench.depth(bench.ball)
     touches = tuple(
         TrialTouch(

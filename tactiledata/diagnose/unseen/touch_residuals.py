@@ -31,7 +31,9 @@ OF_THE_GEL: Mapping[str, float] = {
 
 
 def scatter_beyond_noise(sizes: Array, variances: Array) -> float:
-    """Return the standard deviation e by which sizes (c,) scatter beyond the variances (c,) that noise gives them.
+    """Return the standard deviation e by which c sizes scatter beyond the variances (c,) that noise gives them.
+
+    A size is an estimated number, such as the contrast of one world, and noise gives each a variance of its own.
 
     It solves ``mean(sizes^2 / (variances + e^2)) = 1``: the sizes are taken to scatter about 0. It is 0 where noise
     alone explains the scatter, and has the unit of the sizes. Source: the moment estimator of a variance component
@@ -111,8 +113,9 @@ def signature_fields(white: WhitenedTouches, fit: JointFit, effects: Sequence[st
 
     Each change is that over one prior standard deviation of one strength, about the fit. Its key names the effect's
     title and the strength, and the values of the shape parameters where the effect has any:
-    ``"viscoelastic relaxation (share, time 3)"``. Each choice of shapes has an entry of its own. A strength that
-    changes nothing in these touches has none.
+    ``"viscoelastic relaxation (share, time 3)"``. A strength that acts from a threshold on is taken at several sizes,
+    which the key names as well: ``"quantisation and dead-band (dead_band at 0.2 N, torque_noise 0.005)"``. Each choice
+    of shapes and size has an entry of its own. A strength that changes nothing in these touches has none.
 
     Parameters
     ----------
@@ -128,9 +131,12 @@ def signature_fields(white: WhitenedTouches, fit: JointFit, effects: Sequence[st
     fields: dict[str, Array] = {}
     for signature in effect_signatures(white, fit.model.material, effects, fit.model.settings, fit.model.offsets):
         shapes = "".join(f", {name} {value:g}" for name, value in signature.shapes.items())
+        sizes = signature.step_sizes * signature.scales
         for place, strength in enumerate(signature.strengths):
+            parameter = strength.parameter
+            size = f" at {sizes[place]:g} {parameter.unit}" if parameter.grid else ""
             change = white.with_own(signature.field[:, :, place]) * _single(white)
-            fields[f"{EFFECTS[signature.effect]().title} ({strength.label}{shapes})"] = change[rows]
+            fields[f"{EFFECTS[signature.effect]().title} ({strength.label}{size}{shapes})"] = change[rows]
     return fields
 
 

@@ -13,7 +13,8 @@ def linear_stiffness(mesh: PadMesh, quadrature: CellQuadrature, poisson_ratio: f
     """Assemble the stiffness matrix (3 v, 3 v), m, of a pad whose Young's modulus is 1.
 
     The change of volume is averaged over each cell (Nagtegaal, Parks and Rice, Comput. Methods Appl. Mech. Eng. 4,
-    1974). The matrix is the tangent of ``internal_forces`` at rest.
+    1974). The matrix is the tangent of ``internal_forces`` at rest. Its rows and columns are x, y and z of the first
+    node, then of the second, and so on. No node is held: those of the base, too, are free.
 
     Parameters
     ----------

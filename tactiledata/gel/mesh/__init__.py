@@ -3,7 +3,7 @@
 Read in this order:
 
 - ``pad``: the mesh itself, nodes, cells, base and outer surface in the gel frame;
-- ``structured_pad``: pads of hexahedra from a sensor's gel geometry;
+- ``structured_pad``: pads of hexahedra from a sensor's gel geometry (`GelGeometry` in ``sensors.base``);
 - ``mesh_file``, ``mesh_frame``, ``tetrahedra``: pads of ten-node tetrahedra from a user's volume mesh;
 - ``cells``: shape functions and quadrature of the cells; ``surface``: patches that carry contact forces.
 

@@ -99,6 +99,8 @@ def linearised(
 ) -> Tractions:
     """Return the contact law, linearised about the present places of n touch points.
 
+    It holds the tractions there and, as `Springs`, minus their derivative by the place.
+
     Touch and slip are decided by distance and traction together, as in the primal-dual active set method: a point
     touches if its pressure exceeds its gap times the gel's stiffness, and slips if stick would need more than
     Coulomb's cone allows.
@@ -110,7 +112,7 @@ def linearised(
     points : (n, 3), m, gel frame
         Present places.
     gap : (n,), m
-        Signed distances to the indenter.
+        Signed distances to the indenter, negative where a point is inside.
     normal : (n, 3)
         Unit normals out of the indenter.
     now : (n, 3), Pa

@@ -36,7 +36,10 @@ def sampling_times(start_ns: int, end_ns: int, rate: float, jitter: float, rng: 
 
 
 def stream_stamps(host_ns: Times, clock: ClockSetup) -> Times:
-    """Return the time (n,), ns, on a stream's own clock at moments of the host clock: host = stream + offset."""
+    """Return the time (n,), ns, on a stream's own clock at moments of the host clock.
+
+    The clock runs as fast as the host's: host = stream + offset, with one offset for all moments.
+    """
     return host_ns - clock.offset_ns
 
 

@@ -9,7 +9,7 @@ from planted import MODULUS, modulus_over, planted
 from tactiledata.diagnose.formula.candidates import Candidates, carriers
 from tactiledata.diagnose.formula.likeness import likenesses
 from tactiledata.diagnose.formula.open_form import find_candidates, open_form
-from tactiledata.diagnose.formula.select import false_terms_bound, halves, pursue
+from tactiledata.diagnose.formula.select import false_terms_bound, halves, pursue, stable_choices
 from tactiledata.diagnose.formula.terms import atoms
 from tactiledata.diagnose.formula.unseen import held_out
 from tactiledata.diagnose.residuals.dimensions import NONE, UNITS, find_unit
@@ -121,6 +121,19 @@ def test_pursuit_agrees_with_a_plain_twin():
             gains.append((column @ left) ** 2 / size if size > 1e-9 else 0.0)
         chosen.append(int(np.argmax(gains)))
     assert picks.tolist() == chosen
+
+
+def test_terms_that_are_used_up_get_no_votes():
+    """Two terms explain all: their sum, numbered 0, is chosen by no half, and no term where no residual is left."""
+    first, second = np.linalg.qr(np.random.default_rng(3).normal(size=(5, 2)))[0].T
+    design = np.stack([first + second, first, second], axis=1)
+    # eight units of exchange, all alike
+    scores = np.tile(design.T @ (5.0 * first - 3.0 * second), (8, 1))
+    grams = np.tile(design.T @ design, (8, 1, 1))
+    assert pursue(scores[:1], grams[:1]).tolist() == [[1, 2, -1]]
+    choices = stable_choices(scores, grams, np.random.default_rng(0))
+    assert {int(place): choice.inclusion for choice in choices for place in choice.members} == {1: 1.0, 2: 1.0}
+    assert pursue(np.zeros((1, 3)), grams[:1]).tolist() == [[-1, -1, -1]]
 
 
 def test_halves_are_complementary():

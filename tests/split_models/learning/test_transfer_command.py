@@ -10,7 +10,10 @@ from copied_trees import copy_tree
 from small_models import image_vae
 from transfer_stores import write_two_sensors
 
+from split_models.commands.transfer import method_help
 from split_models.learning.checkpoint import Checkpoint, TrainedOn, save_checkpoint
+from split_models.transfer.methods import LATENT
+from split_models.transfer.pixels import PIXEL_TRANSFERS
 from split_models.transfer.transfer_picture import sheet
 from tactiledata.sensors.backgrounds import load_background
 from tactiledata.store.read.reader import Store
@@ -157,3 +160,15 @@ def test_sheet_takes_pictures_of_any_size():
     assert drawn.dtype == np.uint8
     assert (drawn[-20:, -50:] == 255).all()
     assert (drawn == 0).any()
+
+
+def test_the_help_lists_every_method(capsys, monkeypatch):
+    """The help of ``--method`` names what the tables hold, and a method that is added to one of them."""
+    monkeypatch.setenv("COLUMNS", "300")
+    code, out, _ = run_command(capsys, "transfer", "--help")
+    assert code == 0
+    listed = " ".join(out.split()).partition("--method")[2].partition(" [default:")[0]
+    names = [name.replace("_", "-") for name in (*LATENT, *PIXEL_TRANSFERS)]
+    assert listed.endswith(f"{', '.join(names[:-1])} or {names[-1]}")
+    monkeypatch.setitem(LATENT, "newest_way", "the newest way")
+    assert "newest-way" in method_help().partition(" [default:")[0]
