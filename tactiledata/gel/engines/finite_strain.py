@@ -118,10 +118,14 @@ class LoadStepSolve:
             self._mix(displacement, forces)
 
     def iterate_with_tangent(self) -> None:
-        """Make a Newton iteration with the tangent at the present state: accept the step, divide it, or continue."""
+        """Make a Newton iteration with the tangent at the present state: accept the step, divide it, or continue.
+
+        After a solved step the usual iterations are tried again; the tangent is kept for where they fail.
+        """
         self.trajectory.count(1)
         solved = self._tangent_step.iterate(self.trajectory.path)
         if solved is not None:
+            self.is_hard = False
             self._accept_step(solved.displacement, solved.forces, solved.gaps, solved.residual)
         elif self._tangent_step.has_failed:
             self.trajectory.step_failed()
@@ -155,8 +159,8 @@ class LoadStepSolve:
 class FiniteStrainSolver:
     """Accelerated modified Newton iterations with the stiffness at rest; contact is solved within each iteration.
 
-    A load step for which they find no equilibrium is solved by ``TangentStep``, and so are those that follow it up to
-    the next free air.
+    A load step for which they find no equilibrium is solved by ``TangentStep``. A tangent costs as much as a hundred of
+    these iterations, so that they are tried again at the next load step.
 
     Parameters
     ----------
