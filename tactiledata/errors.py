@@ -13,6 +13,7 @@
     ├── MissingFile (FileNotFoundError)    a file that was named and is not there          exit code 2
     │   └── LostFile                       a file that other files name and that is gone   exit code 1
     ├── StoreError (ValueError)            a store that is damaged, foreign or of another version
+    │   ├── NotAStore                      a file was named where a store belongs              exit code 2
     │   └── StoreBusy (BlockingIOError)    another process writes to the store
     ├── LeakError (ValueError)             data that would be on both sides of a split
     ├── CheckpointError (ValueError)       weights that are damaged, foreign, or of other data than these
@@ -96,7 +97,7 @@ class UnknownName(UsageError, KeyError):
     """
 
     def __init__(self, kind: str, name: str, known: Iterable[str], remedy: str = "") -> None:
-        choices = sorted(known)
+        choices = sorted(set(known))
         near = difflib.get_close_matches(name, choices, n=3, cutoff=0.4)
         listed = ", ".join(choices) if choices else "none"
         hint = f"Did you mean {' or '.join(near)}?" if near else ""
@@ -145,6 +146,12 @@ class LostFile(MissingFile):
 
 class StoreError(TactileDataError, ValueError):
     """Raised for a store that is damaged, for a path that is no store, and for a store of an unknown version."""
+
+
+class NotAStore(StoreError):
+    """Raised for a file that the caller names in the place of a store, which is a folder: a wrong call, not damage."""
+
+    exit_code = 2
 
 
 class StoreBusy(StoreError, BlockingIOError):

@@ -11,13 +11,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tactiledata import errors
-from tactiledata.errors import BrokenLog, MissingFile, SchemaError, TactileDataError, UnknownName, UsageError
+from tactiledata.errors import BrokenLog, MissingFile, NotAStore, SchemaError, TactileDataError, UnknownName, UsageError
 
 KINDS = [kind for _, kind in inspect.getmembers(errors, inspect.isclass) if issubclass(kind, TactileDataError)]
 BUILTINS = {
     "UsageError": ValueError, "UnknownName": KeyError, "MissingSplit": KeyError, "SchemaError": ValueError,
     "BrokenLog": ValueError, "UnsafeContent": ValueError, "MissingFile": FileNotFoundError,
     "LostFile": FileNotFoundError, "StoreError": ValueError, "StoreBusy": BlockingIOError, "LeakError": ValueError,
+    "NotAStore": ValueError,
     "CheckpointError": ValueError, "NotFetched": ValueError, "NotFinite": ArithmeticError,
 }  # fmt: skip
 
@@ -58,7 +59,7 @@ def test_errors_are_builtin_errors_too(kind):
     """Whoever catches ValueError or FileNotFoundError catches ours; wrong calls exit with 2, others with 1."""
     error = made(kind)
     assert kind is TactileDataError or isinstance(error, BUILTINS[kind.__name__])
-    assert error.exit_code == (2 if isinstance(error, UsageError) or kind is MissingFile else 1)
+    assert error.exit_code == (2 if isinstance(error, UsageError | NotAStore) or kind is MissingFile else 1)
     # KeyError and OSError have texts of their own, which must not win
     assert str(error).count(";") == 1
     assert "expected" in str(error)

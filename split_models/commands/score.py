@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from tactiledata.store.read.reader import Store
     from tactiledata.store.read.targets import Target
 
-KEPT = "kept_touch"
-"""Name of the metric that is scored for every synthetic set, whether it is asked for or not."""
 MODEL = typer.Option(None, "--model", help="Checkpoint of an image VAE, for t-SNE of its latent vectors.")
 WEIGHTS = typer.Option(None, "--weights", help="torchvision's VGG-19 weights [default: those in PyTorch's cache].")
 OUT = typer.Option(Path("scores"), "--out", help="Folder for the picture of t-SNE.")
@@ -59,7 +57,7 @@ def score(
     """
     from split_models.transfer.latent_vectors import picture_vectors, vectors_by_model
     from tactiledata.scoring.background_targets import score_backgrounds, sentences, unlocated
-    from tactiledata.scoring.chosen_scores import TSNE, chosen_scores
+    from tactiledata.scoring.chosen_scores import KEPT, TSNE, chosen_scores
     from tactiledata.scoring.embedding_picture import draw_embedding, embed_sets
     from tactiledata.scoring.kept_touches import kept_scores
     from tactiledata.scoring.sensor_pairs import score_pairs
@@ -73,7 +71,7 @@ def score(
     with damage_explains(location):
         opened = Store.open(location)
         simulated = simulated_recordings(opened)
-        scores = chosen_scores([name for name in names if name != KEPT], weights)
+        scores = chosen_scores(names, weights)
         sets = sensor_sets(opened, most, least=1)
         named, targets = (None, []) if against is None else _against(listed_names(against, "--against"), sets, opened)
         if not targets and scores:

@@ -16,6 +16,7 @@ from split_models.transfer.transfer_picture import sheet
 from tactiledata.contract.atomic import write_atomic
 from tactiledata.metrics.embedding import EMBEDDING
 from tactiledata.scoring.embedding_picture import draw_embedding, embed_vectors
+from tactiledata.store.layout.places import folder_name
 
 if TYPE_CHECKING:
     from split_models.networks.image_vae import ImageVae
@@ -103,7 +104,9 @@ def write_strips(table: Alignment) -> None:
     for source, target in ways:
         strip = _strip(table, source, target)
         _, encoded = cv2.imencode(".png", strip[..., ::-1])
-        write_atomic(table.recipe_run.tables / f"strip-{source}-{target}.png", encoded.tobytes())
+        write_atomic(
+            table.recipe_run.tables / f"strip-{folder_name(source)}-{folder_name(target)}.png", encoded.tobytes()
+        )
 
 
 def _strip(table: Alignment, source: str, target: str) -> NDArray[np.uint8]:

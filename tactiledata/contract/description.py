@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from tactiledata.contract.schema import check_document
-from tactiledata.errors import UnknownName
+from tactiledata.errors import SchemaError, UnknownName, UsageError
 from tactiledata.transforms import Transform
 
 LOG_FORMAT = "tactiledata-log/1"
@@ -93,14 +93,23 @@ class LogDescription:
         """``tcp_from_gel`` or ``tcp_from_ft``; ``None`` where not stated."""
         value = self.robot.get(name)
         to, _, source = name.partition("_from_")
-        return None if value is None else Transform.from_document(to, source, value)
+        return None if value is None else self._posed(to, source, value, f"$.robot.{name}")
 
     def base_from_indenter(self, indenter: str) -> Transform | None:
         """Return the stated pose of an indenter in the base frame; ``None`` where it is not stated."""
         if indenter not in self.indenters:
             raise UnknownName("indenter", indenter, self.indenters)
         value = self.indenters[indenter].get("base_from_indenter")
-        return None if value is None else Transform.from_document("base", indenter, value)
+        path = f"$.indenters.{indenter}.base_from_indenter"
+        return None if value is None else self._posed("base", indenter, value, path)
+
+    def _posed(self, to: str, source: str, value: object, path: str) -> Transform:
+        """The transform that stands at a path of the document; a refusal names the file and the path."""
+        try:
+            return Transform.from_document(to, source, value)
+        except (SchemaError, UsageError) as error:
+            found = f"{self.where or 'the description'} at {path}: {error.found}"
+            raise SchemaError(found, error.expected, error.remedy, path=path, file=self.where) from error
 
     def merged(self, addition: Mapping[str, Any], where: str) -> LogDescription:
         """The description with another laid over it, key by key; what is added wins."""

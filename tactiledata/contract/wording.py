@@ -14,3 +14,21 @@ def counted(number: int, noun: str) -> str:
     if number == 1:
         return f"{number} {noun}"
     return f"{number} {noun[:-1]}ies" if noun.endswith("y") else f"{number} {noun}s"
+
+
+def agreeing(number: int, one: str, several: str) -> str:
+    """The form of a word that goes with a number of things.
+
+    Parameters
+    ----------
+    number : int
+        How many things there are.
+    one, several : str
+        The word for one thing, and for none or several.
+
+    Examples
+    --------
+    >>> [f"{counted(number, 'gap')} {agreeing(number, 'lies', 'lie')} inside" for number in (1, 2)]
+    ['1 gap lies inside', '2 gaps lie inside']
+    """
+    return one if number == 1 else several

@@ -16,6 +16,8 @@ OF_SETS = ("image sets", "latent sets")
 """Kinds of metrics that compare two sets."""
 STYLE = "gram_style"
 """Name by which a person asks for a style distance."""
+KEPT = "kept_touch"
+"""Metric of a synthetic set and what it was made of: scored for every such set, whether a person asks for it or not."""
 TSNE = "tsne"
 """Name of the picture of latent vectors; the scores that go with it are those of the metric ``embedding``."""
 
@@ -29,7 +31,7 @@ def chosen_scores(names: Sequence[str], weights: Path | None = None) -> list[tup
     Parameters
     ----------
     names : list of str
-        Names of scores or metrics, or ``tsne``.
+        Names of scores or metrics, or ``tsne``; ``kept_touch`` is left out, as it compares no two sets.
     weights : Path, optional
         Official weights of VGG-19; those in PyTorch's cache by default.
 
@@ -45,6 +47,8 @@ def chosen_scores(names: Sequence[str], weights: Path | None = None) -> list[tup
     able = {name: METRICS[name].scores for name in METRICS if METRICS[name].takes in OF_SETS}
     chosen: dict[str, tuple[str, Score]] = {}
     for name in names:
+        if name == KEPT:
+            continue
         for metric, score in _named(name, able, weights):
             chosen[score.name] = (metric, score)
     if {STYLE, f"{STYLE}_random"} <= set(chosen):
@@ -79,7 +83,7 @@ def _named(name: str, able: dict[str, Any], weights: Path | None) -> list[tuple[
         return [(name, score) for score in able[name].values()]
     matches = [(metric, scores[name]) for metric, scores in able.items() if name in scores]
     if not matches:
-        known = {TSNE, *able, *(key for scores in able.values() for key in scores)}
+        known = {TSNE, KEPT, *able, *(key for scores in able.values() for key in scores)}
         raise UnknownName(
             "score of two sets",
             name,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import pyarrow as pa
 
+from tactiledata.contract.wording import agreeing, counted
 from tactiledata.errors import SchemaError, StoreError, UsageError
 from tactiledata.splits.again import command
 from tactiledata.splits.assign import Held, assign, choose_held_out, describe_held
@@ -159,7 +160,8 @@ def _moved(store: Store, name: str, table: pa.Table) -> list[str]:
     moved = [uid for uid, part in now if before.get(uid, part) != part]
     if not moved:
         return []
+    are = f"{counted(len(moved), 'trajectory')} {agreeing(len(moved), 'is', 'are')}"
     return [
-        f"{len(moved)} trajectories are in another part than before (first {moved[0]}): what they were derived from is "
-        "now in the store, or belongs to a held-out unit; do not compare results across this change"
+        f"{are} in another part than before (first {moved[0]}): what {agreeing(len(moved), 'it was', 'they were')} "
+        "derived from is now in the store, or belongs to a held-out unit; do not compare results across this change"
     ]

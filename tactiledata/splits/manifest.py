@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import json
+import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -179,17 +180,22 @@ def read_split_document(store: Store, name: str) -> dict[str, Any] | None:
         raise
     except (ValueError, RecursionError) as error:
         raise SchemaError(
-            f"{where} is not JSON ({error})", "the document of a split", _again(name), path="$", file=where
+            f"{where} is not JSON ({error})", "the document of a split", _again(store, name), path="$", file=where
         ) from error
     check_document(document, "split", where)
     if SEAL in document and not fits_seal(content):
         found = f"{where} is damaged: it does not fit its own SHA-256"
-        raise SchemaError(found, "the file that was written", _again(name), path="$", file=where)
+        raise SchemaError(found, "the file that was written", _again(store, name), path="$", file=where)
     return document
 
 
-def _again(name: str) -> str:
-    return f"Run `tactiledata split --name {name}` again (see `tactiledata split --help`)."
+def _again(store: Store, name: str) -> str:
+    return f"Run `{_split_command(store, name)} --replace` (see `tactiledata split --help`)."
+
+
+def _split_command(store: Store, name: str) -> str:
+    """The command that makes a split of a store, to be copied."""
+    return shlex.join(["tactiledata", "split", store.location, "--name", name])
 
 
 def read_split(store: Store, name: str) -> Split:
@@ -209,23 +215,23 @@ def read_split(store: Store, name: str) -> Split:
             raise MissingSplit(
                 f"the store {store.location} has no split",
                 f"a split {name!r}",
-                f"Run `tactiledata split --name {name}` first.",
+                f"Run `{_split_command(store, name)}` first.",
                 name=name,
             )
-        raise UnknownName("split", name, names, f"Run `tactiledata split --name {name}` to make it.")
+        raise UnknownName("split", name, names, f"Run `{_split_command(store, name)}` to make it.")
     where = f"{store.location}/splits/{name}.parquet"
     try:
         content = store.read_file(f"splits/{name}.parquet")
     except MissingFile as error:
         raise StoreError(
-            f"the split's table {where} is missing", "a table beside the document", _again(name), path=where
+            f"the split's table {where} is missing", "a table beside the document", _again(store, name), path=where
         ) from error
     digest = bytes_digest(content)
     if digest != document["table"]["sha256"]:
         raise StoreError(
             f"{where} was changed or torn: its SHA-256 is {digest[:12]}…",
             f"{document['table']['sha256'][:12]}…, as its document says",
-            _again(name),
+            _again(store, name),
             path=where,
         )
     try:
@@ -233,11 +239,11 @@ def read_split(store: Store, name: str) -> Split:
         table = table.select(SPLIT_SCHEMA.names).cast(SPLIT_SCHEMA)
     except (pa.ArrowException, KeyError, ValueError) as error:
         raise StoreError(
-            f"{where} is not a table of a split: {error}", "the columns of a split", _again(name)
+            f"{where} is not a table of a split: {error}", "the columns of a split", _again(store, name)
         ) from error
     known = pa.array([*PARTITIONS, EXCLUDED])
     if not pc.all(pc.is_in(table["partition"], value_set=known), min_count=0).as_py():
-        raise StoreError(f"{where} holds an unknown partition", ", ".join([*PARTITIONS, EXCLUDED]), _again(name))
+        raise StoreError(f"{where} holds an unknown partition", ", ".join([*PARTITIONS, EXCLUDED]), _again(store, name))
     return Split(name, table, document)
 
 

@@ -45,7 +45,7 @@ def store_path_that_is_another_folder(bench):
     return ["ingest", bench.log, "--store", bench.log]
 
 
-@case(1, "is a file")
+@case(2, "is a file")
 def store_path_that_is_a_file(bench):
     return ["ingest", bench.log, "--store", bench.mcap]
 
@@ -53,6 +53,21 @@ def store_path_that_is_a_file(bench):
 @case(1, "store")
 def a_folder_that_is_no_store(bench):
     return ["info", bench.log]
+
+
+@case(2, "is no folder")
+def a_file_in_the_place_of_a_store(bench):
+    return ["info", bench.mcap]
+
+
+@case(2, "/dev/zero is a pipe or a device")
+def a_device_in_the_place_of_a_recording(bench):
+    return ["ingest", "/dev/zero", "--store", bench.folder / "new.zarr"]
+
+
+@case(2, "/dev/zero is a pipe or a device")
+def a_device_to_inspect(bench):
+    return ["inspect", "/dev/zero"]
 
 
 @case(2, "no store at")

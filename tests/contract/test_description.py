@@ -46,6 +46,21 @@ def test_a_mirror_is_refused_when_the_description_is_checked():
         described(robot={"tcp_from_ft": np.reshape(MIRROR, (4, 4)).tolist()})
 
 
+@pytest.mark.parametrize("xyzw", [[0, 0, 0, 0], [0, 0, 0, 1e7]])
+def test_a_rotation_that_is_none_is_refused_with_file_and_place(xyzw):
+    """A quaternion of zeros, of the tool or of an indenter, names the file and the path in it."""
+    pose = {"xyz": [0, 0, 0], "xyzw": xyzw}
+    for facts, path in (
+        ({"robot": {"tcp_from_gel": pose}}, "$.robot.tcp_from_gel"),
+        ({"indenters": {"ball4": {"shape": "sphere", "radius": 0.004, "base_from_indenter": pose}}},
+         "$.indenters.ball4.base_from_indenter"),
+    ):  # fmt: skip
+        with pytest.raises(SchemaError) as refused:
+            described(**facts)
+        assert str(refused.value).startswith(f"log.yaml at {path}: ")
+        assert (refused.value.facts["file"], refused.value.facts["path"]) == ("log.yaml", path)
+
+
 def test_an_indenter_that_is_not_described_is_unknown():
     """Asking for the pose of an indenter with a wrong name is an error that lists the names."""
     description = described(indenters={"ball4": {"shape": "sphere", "radius": 0.004}})

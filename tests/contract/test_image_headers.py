@@ -1,6 +1,7 @@
 """Headers written byte by byte: what each kind of PNG and JPEG says of itself, and where reading ends."""
 
 import struct
+import zlib
 
 import pytest
 
@@ -11,7 +12,7 @@ START, END = b"\xff\xd8", b"\xff\xd9"
 
 
 def chunk(kind, content=b""):
-    return struct.pack(">I", len(content)) + kind + content + b"\0\0\0\0"
+    return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
 
 
 def png(height=3, width=5, bits=8, colour=2, *chunks):

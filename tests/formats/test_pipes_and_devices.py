@@ -9,7 +9,7 @@ import pytest
 from generators.folder_log import SENSOR, write
 from generators.mcap_files import touch
 
-from tactiledata.errors import BrokenLog, SchemaError, TactileDataError
+from tactiledata.errors import SchemaError, TactileDataError, UsageError
 from tactiledata.formats import FORMATS
 from tactiledata.ingest.sources.discover import find_sources
 
@@ -67,7 +67,7 @@ def test_a_pipe_beside_recordings_is_left_alone(tmp_path):
         assert [Path(source.path).name for source in sources] == ["a.mcap"]
         assert {path.name for path in unclaimed} == {"b.mcap", "a.yaml", "log.yaml"}
         for path in (tmp_path / "b.mcap", Path("/dev/zero")):
-            with pytest.raises(BrokenLog, match="a pipe or a device"):
+            with pytest.raises(UsageError, match="a pipe or a device"):
                 find_sources([path])
 
 

@@ -173,8 +173,9 @@ def test_names_of_scores_and_metrics():
     """A score by its own name or its metric's, once; those that need truths and unknown ones are refused."""
     assert [score.name for _, score in chosen_scores(["shade", "shade_gap"])] == ["shade_gap"]
     for name in ("truth", "l1", "shadow"):
-        with pytest.raises(UnknownName, match=r"one of: .*shade, shade_gap"):
+        with pytest.raises(UnknownName, match=r"one of: .*kept_touch, .*shade, shade_gap"):
             chosen_scores([name])
+    assert [score.name for _, score in chosen_scores(["kept_touch", "shade"])] == ["shade_gap"]
 
 
 def test_style_is_one_of_two_scales(tmp_path, monkeypatch):

@@ -11,6 +11,7 @@ import numpy as np
 
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Finding, Trajectory
+from tactiledata.contract.wording import agreeing, counted
 from tactiledata.formats.folder.files import LogFolder
 from tactiledata.formats.folder.signals import open_table
 from tactiledata.formats.reading.csv_cells import CsvTable, free_values, listed, shortened
@@ -120,12 +121,12 @@ def _with_sensor(rows: Sequence[Trajectory], description: LogDescription) -> tup
     empty = [touch.name for touch in rows if not touch.sensor]
     if not empty:
         return list(rows), []
-    sensors = list(description.sensors)
+    sensors, name = list(description.sensors), agreeing(len(empty), "names", "name")
     if len(sensors) == 1:
-        message = f"{len(empty)} trajectories name no sensor: {sensors[0]!r} is the only one"
+        message = f"{counted(len(empty), 'trajectory')} {name} no sensor: {sensors[0]!r} is the only one"
         finding = Finding("trajectory-sensor-taken", "info", message, count=len(empty))
         return [touch if touch.sensor else replace(touch, sensor=sensors[0]) for touch in rows], [finding]
-    message = f"{len(empty)} trajectories name none of the {len(sensors)} sensors: {listed(empty[:3])}"
+    message = f"{counted(len(empty), 'trajectory')} {name} none of the {len(sensors)} sensors: {listed(empty[:3])}"
     return list(rows), [Finding("trajectory-sensor-missing", "damage", message, count=len(empty))]
 
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from tactiledata.contract.records import Finding, Severity, Signal, Stamps
+from tactiledata.contract.wording import agreeing, counted
 from tactiledata.errors import BrokenLog
 from tactiledata.formats.mcap.message_fields import NoSuchField
 
@@ -31,14 +32,15 @@ class FaultCount:
         self.end_ns = log_ns
 
     def finding(self, code: str, message: str, stream: str, severity: Severity = "damage") -> list[Finding]:
-        """The finding, where there was anything; ``message`` may name ``{count}`` and ``{reason}``.
+        """The finding, where there was anything; ``message`` may name its number, and the first reason.
 
         Parameters
         ----------
         code : str
             Code of the finding.
         message : str
-            Text of the finding, with ``{count}`` and ``{reason}`` where they belong.
+            Text of the finding, with ``{messages}`` or ``{images}`` (their number and the noun), ``{are}`` (the verb
+            that goes with it) and ``{reason}`` where they belong.
         stream : str
             The stream that it is about.
         severity : str
@@ -46,7 +48,12 @@ class FaultCount:
         """
         if not self.count:
             return []
-        text = message.format(count=self.count, reason=self.reason)
+        text = message.format(
+            messages=counted(self.count, "message"),
+            images=counted(self.count, "image"),
+            are=agreeing(self.count, "is", "are"),
+            reason=self.reason,
+        )
         return [Finding(code, severity, text, stream, start_ns=self.start_ns, end_ns=self.end_ns, count=self.count)]
 
 
@@ -120,7 +127,9 @@ class SignalBuffer:
             They are expressed in different frames, and nothing says which one is meant.
         """
         if len(self.frames) > 1:
-            listed = ", ".join(f"{frame!r} ({count} messages)" for frame, count in sorted(self.frames.items()))
+            listed = ", ".join(
+                f"{frame!r} ({counted(count, 'message')})" for frame, count in sorted(self.frames.items())
+            )
             raise BrokenLog(
                 f"{self.topic} mixes frames: {listed}",
                 f"one frame_id for the signal {self.name!r}",
@@ -139,22 +148,22 @@ class SignalBuffer:
     def findings(self) -> list[Finding]:
         """What was wrong with the samples."""
         found = self.faults.finding(
-            "undecodable-message", f"{{count}} messages of {self.topic} cannot be decoded: {{reason}}", self.name
+            "undecodable-message", f"{{messages}} of {self.topic} cannot be decoded: {{reason}}", self.name
         )
         found += self.refused.finding(
             "foreign-frame",
-            f"{{count}} messages of {self.topic} were left out: their frame is {{reason}}, {self.frame!r} is meant",
+            f"{{messages}} of {self.topic} {{are}} left out: the frame is {{reason}}, {self.frame!r} is meant",
             self.name,
         )
         found += self._frame_findings()
         for what, count in sorted(self.absent.items()):
-            text = f"{what} is missing in {count} messages of {self.topic}; it is NaN there"
+            text = f"{what} is missing in {counted(count, 'message')} of {self.topic}; it is NaN there"
             found.append(Finding("missing-joint", "warning", text, self.name, count=count))
         values = np.frombuffer(self.values, dtype=np.float64) if self.values else np.zeros(0)
         bad = ~np.isfinite(values).reshape(-1, len(self.columns)).all(axis=1)
         if bad.any():
             rows = np.flatnonzero(bad)
-            text = f"{len(rows)} samples of {self.topic} hold NaN or infinity; they are kept as they are"
+            text = f"NaN or infinity in {counted(len(rows), 'sample')} of {self.topic}; kept as recorded"
             found.append(
                 Finding("non-finite", "warning", text, self.name, start_ns=self.log[int(rows[0])],
                         end_ns=self.log[int(rows[-1])], count=len(rows))
@@ -165,7 +174,9 @@ class SignalBuffer:
         """Findings that messages state no frame_id, with the frame that they are taken to be in."""
         if not self.unframed:
             return []
-        text = f"{self.unframed} messages of {self.topic} state no frame_id; the mapping says {self.frame!r}"
+        text = (
+            f"{counted(self.unframed, 'message')} of {self.topic} without a frame_id; the mapping says {self.frame!r}"
+        )
         if self.refused.count or self.frames[self.frame or ""] > self.unframed:
             text += ", and other messages of the topic do state one"
             return [Finding("frame-in-part", "warning", text, self.name, count=self.unframed)]

@@ -89,7 +89,7 @@ def decoder_for(channel: Channel, schema: Schema | None) -> Decoder:
     encoding, kind = encoding_of(channel, schema), kind_of(schema)
     try:
         if channel.message_encoding == "json":
-            return Decoder(kind or "json", encoding, json.loads)
+            return Decoder(kind or "json", encoding, _json_message)
         if schema is None:
             raise BrokenLog(f"{channel.topic} has no schema, and {channel.message_encoding!r} messages need one")
         if len(schema.data) > MAX_SCHEMA_BYTES:
@@ -109,6 +109,16 @@ def decoder_for(channel: Channel, schema: Schema | None) -> Decoder:
         "cdr with ros2msg or ros2idl, ros1, protobuf or json",
         "Convert the recording, or record it again with a usual encoding.",
     )
+
+
+def _json_message(payload: bytes) -> Any:
+    """A message from JSON; a number with more digits than Python reads is a fault of the message."""
+    try:
+        return json.loads(payload)
+    except (json.JSONDecodeError, UnicodeDecodeError):
+        raise
+    except ValueError as error:
+        raise ValueError("a number in it has too many digits") from error
 
 
 # ROS

@@ -22,6 +22,7 @@ from tactiledata.formats.mcap.collect import FaultCount
 from tactiledata.formats.mcap.decode import FAULTS, Decoder
 from tactiledata.formats.mcap.message_fields import frame_of, stamp_of, value_at
 from tactiledata.formats.mcap.roles import COMPRESSED_KINDS, ImageRole
+from tactiledata.formats.mcap.undecoded import reason_of
 
 RAW_CHANNELS = {"rgb8": (3, "rgb"), "bgr8": (3, "bgr"), "rgba8": (4, "rgb"), "bgra8": (4, "bgr"), "8UC3": (3, "bgr")}
 """Bytes a pixel and channel order of the raw encodings that are colour pictures; 8UC3 is OpenCV's, blue first."""
@@ -143,15 +144,13 @@ class CameraBuffer:
         """What was wrong with the images, and with who took them."""
         camera, topic = self.role.camera, self.role.topic
         found = self.faults.finding(
-            "undecodable-message", f"{{count}} messages of {topic} cannot be decoded: {{reason}}", camera
+            "undecodable-message", f"{{messages}} of {topic} cannot be decoded: {{reason}}", camera
         )
-        found += self.broken.finding("image-unreadable", f"{{count}} images of {topic} are lost: {{reason}}", camera)
-        found += self.truncated.finding(
-            "image-truncated", f"{{count}} images of {topic} end before their end mark", camera
-        )
-        for remark, counted in self.remarks.values():
-            text = f"{{count}} images of {topic}: the first {{reason}}"
-            found += counted.finding(remark.code, text, camera, remark.severity)
+        found += self.broken.finding("image-unreadable", f"{{images}} of {topic} {{are}} lost: {{reason}}", camera)
+        found += self.truncated.finding("image-truncated", f"{{images}} of {topic} without an end mark", camera)
+        for remark, faults in self.remarks.values():
+            text = f"{{images}} of {topic}: the first {{reason}}"
+            found += faults.finding(remark.code, text, camera, remark.severity)
         if len(self.claims) > 1:
             said = "; ".join(
                 f"{serial} by {' and '.join(sorted(origins))}" for serial, origins in sorted(self.claims.items())
@@ -211,7 +210,7 @@ def _general(
             message = decoder.decode(buffer[start:stop])
             found, stamp, frame = fields(message), stamp_of(message), frame_of(message)
         except FAULTS as error:
-            camera.faults.add(log_ns, error)
+            camera.faults.add(log_ns, reason_of(error))
             return
         camera.push(store(*found, camera, log_ns), frame, log_ns, publish_ns, stamp)
 

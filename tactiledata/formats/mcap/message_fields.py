@@ -10,6 +10,8 @@ import numpy as np
 
 MOST_NAMED = 12
 """Fields that an error lists."""
+MOST_SHOWN = 40
+"""Characters of a text that an error shows."""
 
 
 def steps_of(path: str) -> tuple[str | int, ...]:
@@ -31,7 +33,8 @@ def steps_of(path: str) -> tuple[str | int, ...]:
 
 
 class NoSuchField(AttributeError):
-    """Raised for a path that leaves the fields of a message: an attribute of the object that holds it, or a mistake.
+    """Raised for a path that leaves the fields of a message: an attribute of the object that holds it, an item that an
+    array is too short for, or a mistake.
 
     Parameters
     ----------
@@ -65,8 +68,30 @@ def _alternative(place: str, value: Any) -> str:
     if isinstance(value, str | bytes):
         return f"another field: {whole} is {'a text' if isinstance(value, str) else 'bytes'}"
     if hasattr(value, "__len__"):
-        return f"an item of {whole}, such as {place}[0]"
+        return f"an item of {whole}: {_items(place, len(value))}" if len(value) else f"another field: {whole} is empty"
     return f"{whole} itself, which is a number" if isinstance(value, int | float | np.number) else "another field"
+
+
+def _items(place: str, count: int) -> str:
+    """Paths of the items of an array, the first and the last."""
+    return f"{place}[0]" if count == 1 else f"{place}[0] to {place}[{count - 1}]"
+
+
+def kind_in_words(value: Any) -> str:
+    """What stands in a field that holds no number, in words.
+
+    Examples
+    --------
+    >>> kind_in_words(None), kind_in_words("3 N"), kind_in_words([1, 2])
+    ('null', "the text '3 N'", 'an array')
+    """
+    if value is None:
+        return "null"
+    if isinstance(value, str):
+        return f"the text {value[:MOST_SHOWN]!r}" + (" …" if len(value) > MOST_SHOWN else "")
+    if field_names(value) is not None:
+        return "a group of fields"
+    return "an array" if hasattr(value, "__len__") else f"of the type {type(value).__name__}"
 
 
 def field_names(value: Any) -> tuple[str, ...] | None:
@@ -87,26 +112,32 @@ def value_at(message: Any, steps: tuple[str | int, ...]) -> Any:
     ------
     NoSuchField
         A step that is no field of a message and no item of an array: no attribute of the objects is ever read.
-    IndexError
-        An array that is shorter.
+    ValueError
+        An item of an array that is empty.
     """
     value = message
     for count, step in enumerate(steps):
         if not _has(value, step):
+            if isinstance(step, int) and _is_array(value) and not len(value):
+                raise ValueError(f"{path_of(steps[:count]) or 'the message'!r} is empty")
             raise NoSuchField(steps, count, value)
         value = value[step] if isinstance(step, int) or isinstance(value, Mapping) else getattr(value, step)
     return value
 
 
 def _has(value: Any, step: str | int) -> bool:
-    """Whether a step leads to a field, or into an array of any length."""
+    """Whether a step leads to a field, or to an item of an array."""
     if isinstance(value, Mapping):
         return step in value
     if isinstance(step, int):
-        return hasattr(value, "__len__") and not isinstance(value, str)
+        return _is_array(value) and step < len(value)
     if hasattr(value, "DESCRIPTOR"):
         return step in value.DESCRIPTOR.fields_by_name
     return step[0] != "_" and step in getattr(value, "__dataclass_fields__", ())
+
+
+def _is_array(value: Any) -> bool:
+    return hasattr(value, "__len__") and not isinstance(value, str | Mapping)
 
 
 def stamp_of(message: Any) -> int | None:

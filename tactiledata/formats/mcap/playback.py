@@ -9,6 +9,7 @@ from dataclasses import replace
 from mcap.records import Channel, Schema
 
 from tactiledata.contract.records import Finding, Severity
+from tactiledata.contract.wording import agreeing, counted
 from tactiledata.errors import BrokenLog
 from tactiledata.formats.mcap.chunks import chunk_content
 from tactiledata.formats.mcap.layout import (
@@ -205,7 +206,11 @@ class Playback:
         ]
         if missing:
             found.append(
-                self._finding("messages-missing", f"{missing} messages of its statistics were not met", missing)
+                self._finding(
+                    "messages-missing",
+                    f"{counted(missing, 'message')} of its statistics {agreeing(missing, 'was', 'were')} not met",
+                    missing,
+                )
             )
         return found
 
@@ -229,10 +234,13 @@ class Playback:
         stated = self._inventory.data_crc
         found = []
         if self._bad_times:
-            text = f"{self._bad_times} messages with impossible log times were left out"
+            were = agreeing(self._bad_times, "was", "were")
+            text = f"{counted(self._bad_times, 'message')} with impossible log times {were} left out"
             found.append(self._finding("bad-stamp", text, self._bad_times))
         for channel, count in sorted(self._unknown.items()):
-            text = f"{count} messages of channel {channel}, whose record is missing: topic and type are unknown"
+            text = (
+                f"{counted(count, 'message')} of channel {channel}, whose record is missing: topic and type are unknown"
+            )
             found.append(self._finding("unknown-channel", text, count))
         if walker.data_crc is not None and walker.data_crc != stated:
             text = "the CRC of the data section does not fit, and nothing says which record is damaged"

@@ -12,8 +12,17 @@ from tactiledata.errors import SchemaError
 from tactiledata.formats.mcap.cdr import JOINT_LAYOUT, VECTOR_LAYOUTS, Take, joint_taker, vector_taker
 from tactiledata.formats.mcap.collect import SignalBuffer
 from tactiledata.formats.mcap.decode import FAULTS, Decoder
-from tactiledata.formats.mcap.message_fields import NoSuchField, frame_of, stamp_of, steps_of, value_at
+from tactiledata.formats.mcap.message_fields import (
+    NoSuchField,
+    frame_of,
+    kind_in_words,
+    path_of,
+    stamp_of,
+    steps_of,
+    value_at,
+)
 from tactiledata.formats.mcap.roles import FIELDS_OF, SignalRole
+from tactiledata.formats.mcap.undecoded import reason_of
 from tactiledata.units import TO_METRES
 
 UR_JOINTS = (
@@ -88,7 +97,7 @@ def _general(read: Reader, decoder: Decoder, sink: SignalBuffer) -> Take:
         except FAULTS as error:
             if isinstance(error, NoSuchField):
                 sink.misnamed = sink.misnamed or error
-            sink.faults.add(log_ns, error)
+            sink.faults.add(log_ns, reason_of(error))
             return
         if values is not None:
             sink.add(values, log_ns, publish_ns, stamp, frame)
@@ -98,7 +107,27 @@ def _general(read: Reader, decoder: Decoder, sink: SignalBuffer) -> Take:
 
 def _paths_reader(paths: Sequence[str]) -> Reader:
     steps = [steps_of(path) for path in paths]
-    return lambda message: [float(value_at(message, step)) for step in steps]
+
+    def read(message: Any) -> list[float]:
+        try:
+            return [float(value_at(message, step)) for step in steps]
+        except (TypeError, ValueError, OverflowError) as error:
+            raise ValueError(_no_number(message, steps) or str(error)) from error
+
+    return read
+
+
+def _no_number(message: Any, paths: Sequence[tuple[str | int, ...]]) -> str:
+    """What the first of the fields holds that is no number; empty where all of them are numbers."""
+    for steps in paths:
+        value = value_at(message, steps)
+        try:
+            float(value)
+        except OverflowError:
+            return f"{path_of(steps)!r} is beyond the largest number that is kept"
+        except (TypeError, ValueError):
+            return f"{path_of(steps)!r} is {kind_in_words(value)}, and no number"
+    return ""
 
 
 def _field_reader(role: SignalRole) -> Reader:

@@ -16,6 +16,7 @@ from tactiledata.formats.mcap.message_fields import frame_of, value_at
 from tactiledata.formats.mcap.playback import Handler
 from tactiledata.formats.mcap.roles import TF_KIND, Roles
 from tactiledata.formats.mcap.survey import Survey
+from tactiledata.formats.mcap.undecoded import reason_of
 from tactiledata.formats.mcap.unread_topics import Glimpse
 from tactiledata.formats.reading.natural_order import natural_key
 from tactiledata.formats.reading.stream_rate import has_times, rate_of
@@ -96,7 +97,7 @@ class Tally:
                         row.look(decoder.decode(content[start:stop]))
                     except FAULTS as error:
                         faults += 1
-                        row.note = f"a message that does not decode as {row.kind}: {error}"[:EXAMPLE_LENGTH]
+                        row.note = f"a message that does not decode as {row.kind}: {reason_of(error)}"[:EXAMPLE_LENGTH]
 
             return take
 

@@ -14,6 +14,7 @@ from tactiledata.contract.records import Finding
 from tactiledata.formats.mcap.collect import SignalBuffer
 from tactiledata.formats.mcap.decode import FAULTS, Decoder
 from tactiledata.formats.mcap.message_fields import frame_of, stamp_of, steps_of, value_at
+from tactiledata.formats.mcap.undecoded import reason_of
 
 Pose = tuple[float, ...]
 """x y z in metres and a quaternion x y z w: parent_from_child."""
@@ -50,7 +51,7 @@ class TransformTree:
                 transforms = list(value_at(decoder.decode(buffer[start:stop]), ("transforms",)))
                 stamps = self._note(transforms)
             except FAULTS as error:
-                self._sink.faults.add(log_ns, error)
+                self._sink.faults.add(log_ns, reason_of(error))
                 return
             if is_static:
                 return

@@ -14,6 +14,7 @@ from tactiledata.contract.description import LogDescription
 from tactiledata.contract.image_sizes import Size
 from tactiledata.contract.records import Finding
 from tactiledata.contract.take import UNUSABLE, Take
+from tactiledata.contract.wording import agreeing, counted
 from tactiledata.ingest.checks.apart import apart_findings
 from tactiledata.ingest.checks.background_seen import channel_findings, touched_findings
 from tactiledata.ingest.checks.image_sizes import size_counts
@@ -56,7 +57,8 @@ def broken_images(images: SpooledImages) -> tuple[NDArray[np.int64], list[Findin
         broken.extend(row for row, tail in zip(rows, tails, strict=True) if trailer not in tail)
     if not broken:
         return np.zeros(0, np.int64), []
-    text = f"{len(broken)} images end too early; their bytes are kept as they came, and training leaves them out"
+    end = agreeing(len(broken), "ends", "end")
+    text = f"{counted(len(broken), 'image')} {end} too early; what came is kept, and training leaves it out"
     return np.array(sorted(broken)), [Finding("image-truncated", "damage", text, count=len(broken))]
 
 
@@ -157,7 +159,8 @@ def _stuck_camera(take: Take) -> list[Finding]:
     repeats = int((np.diff([*starts, len(crc)]) - 1)[stuck].sum())
     if not repeats:
         return []
-    text = f"{repeats} images repeat the one before bit for bit while the force changes by more than 1 N"
+    again = f"{counted(repeats, 'image')} {agreeing(repeats, 'repeats', 'repeat')}"
+    text = f"{again} the one before bit for bit while the force changes by more than 1 N"
     return [Finding("camera-stuck", "warning", text, count=repeats)]
 
 
@@ -172,8 +175,9 @@ def _force_findings(take: Take) -> list[Finding]:
     ):
         beyond = int((np.abs(wrench.values[:, columns]) > limit).any(axis=1).sum())
         if beyond:
+            are = f"{counted(beyond, 'sample')} {agreeing(beyond, 'is', 'are')}"
             text = (
-                f"wrench: {beyond} samples are beyond {limit:.0f} {unit}, the range of a Robotiq FT 300-S; another "
+                f"wrench: {are} beyond {limit:.0f} {unit}, the range of a Robotiq FT 300-S; another "
                 "unit, an offset that nobody zeroed, or a fault of the sensor"
             )
             found.append(Finding(code, "warning", text, "wrench", count=beyond))
@@ -186,5 +190,6 @@ def _empty_trajectories(take: Take) -> list[Finding]:
     if not len(empty) or take.frames.num_rows == 0:
         return []
     names = [take.trajectories["trajectory"][int(row)].as_py() for row in empty[:5]]
-    text = f"{len(empty)} trajectories hold no image ({', '.join(names)}{' …' if len(empty) > 5 else ''})"
+    hold = f"{counted(len(empty), 'trajectory')} {agreeing(len(empty), 'holds', 'hold')}"
+    text = f"{hold} no image ({', '.join(names)}{' …' if len(empty) > 5 else ''})"
     return [Finding("trajectory-without-frames", "info", text, count=len(empty))]

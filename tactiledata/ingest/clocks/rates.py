@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactiledata.contract.records import Finding, Times, Values
+from tactiledata.contract.wording import agreeing, counted
 
 REPEATS_WORTH_SAYING = 0.05
 """Share of samples equal to the one before, from which on it is reported."""
@@ -87,7 +88,8 @@ def rate_findings(stream: str, columns: tuple[str, ...], rate: Rate) -> list[Fin
         Finding(
             "repeated-samples",
             "info",
-            f"{stream}: {rate.repeated} samples repeat the one before; recorded at {rate.nominal:.1f} Hz, "
+            f"{stream}: {counted(rate.repeated, 'sample')} {agreeing(rate.repeated, 'repeats', 'repeat')} the one "
+            f"before; recorded at {rate.nominal:.1f} Hz, "
             f"new values at {changing:.1f} Hz",
             stream,
             count=rate.repeated,
@@ -125,5 +127,5 @@ def gap_findings(stream: str, t_ns: Times, spans: list[tuple[int, int]], factor:
     if not inside:
         return []
     start, end = max(inside, key=lambda gap: gap[1] - gap[0])
-    text = f"{stream}: {len(inside)} gaps inside trajectories, the largest {(end - start) / 1e6:.0f} ms"
+    text = f"{stream}: {counted(len(inside), 'gap')} inside trajectories, the largest {(end - start) / 1e6:.0f} ms"
     return [Finding("gap", "warning", text, stream, start_ns=start, end_ns=end, count=len(inside))]

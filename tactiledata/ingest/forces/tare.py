@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactiledata.contract.records import Finding, Times, Values
+from tactiledata.contract.wording import agreeing, counted
 from tactiledata.ingest.forces.tare_events import (
     PAUSE,
     Tare,
@@ -286,7 +287,7 @@ def _tare_findings(
     if not inside:
         return []
     text = (
-        f"wrench: a tare event falls inside {len(inside)} trajectories ({', '.join(inside[:5])}"
+        f"wrench: a tare event falls inside {counted(len(inside), 'trajectory')} ({', '.join(inside[:5])}"
         f"{' …' if len(inside) > 5 else ''}); the reading jumps there, and the zero of its contact force with it"
     )
     return [Finding("tare-in-trajectory", "info", text, "wrench", count=len(inside))]
@@ -308,15 +309,30 @@ def _names(off: list[tuple[str, float]]) -> str:
 
 def _pressed_findings(missed: list[tuple[str, float]]) -> list[Finding]:
     """A warning, not damage: a touch that begins pressed is sound, and one touch alone cannot tell it from a zero that
-    somebody moved. By how much it would be off is said, so that a person can tell.
+    somebody moved. By how much it would be off is said, so that a person can tell; NaN stands for touches of which
+    nobody knows.
     """
     if not missed:
         return []
-    largest = np.nanmax([0.0, *(away for _, away in missed)])
+    seen = [(name, away) for name, away in missed if np.isfinite(away)]
+    unseen = [(name, away) for name, away in missed if not np.isfinite(away)]
+    parts, off = [], ""
+    if seen:
+        do = agreeing(len(seen), "does", "do")
+        parts.append(f"{counted(len(seen), 'trajectory')} {do} not begin in free air ({_names(seen)})")
+        they_begin = agreeing(len(seen), "It begins", "They begin up to")
+        off = (
+            f" {they_begin} {max(away for _, away in seen):.2f} N off it: if nothing was touched then, "
+            f"{agreeing(len(seen), 'its', 'their')} forces are off by as much."
+        )
+    if unseen:
+        parts.append(
+            f"free air cannot be seen in {counted(len(unseen), 'trajectory')} ({_names(unseen)}) without a whole "
+            "reading: each is NaN, or has no pose by which the tool's weight is taken off"
+        )
     text = (
-        f"wrench: {len(missed)} trajectories do not begin in free air ({_names(missed)}); the nearest zero that is "
-        f"known was taken. They begin up to {largest:.2f} N off it: if nothing was touched then, their forces are off "
-        "by as much. State tares in wrench.tare_ns, or begin in free air"
+        f"wrench: {'; '.join(parts)}; the nearest zero that is known was taken.{off} "
+        "State tares in wrench.tare_ns, or begin in free air"
     )
     return [Finding("no-free-air", "warning", text, "wrench", count=len(missed))]
 
@@ -324,10 +340,12 @@ def _pressed_findings(missed: list[tuple[str, float]]) -> list[Finding]:
 def _trusted_findings(trusted: list[tuple[str, float]]) -> list[Finding]:
     if not trusted:
         return []
+    begin = agreeing(len(trusted), "begins", "begin up to")
     text = (
-        f"wrench: {len(trusted)} trajectories ({_names(trusted)}) begin up to {max(away for _, away in trusted):.2f} N "
-        "from what the sensor reads most of the time, and end there: taken as free air after a tare that nobody "
-        "stated. If they were pressed all the time, their forces are too small by as much. State tares in "
+        f"wrench: {counted(len(trusted), 'trajectory')} ({_names(trusted)}) {begin} "
+        f"{max(away for _, away in trusted):.2f} N "
+        "from what the sensor reads most of the time, and there, too, is the end: taken as free air after a tare that "
+        "nobody stated. If something was pressed all the time, the forces are too small by as much. State tares in "
         "wrench.tare_ns"
     )
     return [Finding("zero-far", "warning", text, "wrench", count=len(trusted))]

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactiledata.contract.records import Finding, Times, Values
+from tactiledata.contract.wording import agreeing, counted
 from tactiledata.ingest.clocks.witnesses import usual_distance
 from tactiledata.ingest.forces.tare_events import Tare, without_steps
 
@@ -191,9 +192,10 @@ def moved_findings(moved: Sequence[Ends]) -> list[Finding]:
     if not moved:
         return []
     names = ", ".join(own.name for own in moved[:5]) + (" …" if len(moved) > 5 else "")
+    at_ends = agreeing(len(moved), "it ends, and the next one begins", "they end, and the next ones begin")
     text = (
-        f"wrench: the zero moves by up to {max(own.moved for own in moved):.2f} N inside {len(moved)} trajectories "
-        f"({names}): they end, and the next one begins, at another reading than they begin with. No tare is stated "
-        "there, so forces after it are off by as much; state the moments in wrench.tare_ns"
+        f"wrench: the zero moves by up to {max(own.moved for own in moved):.2f} N inside "
+        f"{counted(len(moved), 'trajectory')} ({names}): {at_ends}, at another reading than at the "
+        "beginning. No tare is stated there, so forces after it are off by as much; state the moments in wrench.tare_ns"
     )
     return [Finding("zero-moved", "warning", text, "wrench", count=len(moved))]

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from tactiledata.contract.lfs_pointer import is_lfs_pointer, not_fetched
 from tactiledata.contract.records import Finding, Source
-from tactiledata.errors import BrokenLog, MissingFile, TactileDataError
+from tactiledata.errors import BrokenLog, MissingFile, TactileDataError, UsageError
 from tactiledata.formats import FORMATS
 from tactiledata.formats.base import Format
 from tactiledata.formats.folder.files import DESCRIPTION, TABLES
@@ -38,6 +38,8 @@ def find_sources(paths: Sequence[Path], format_name: str | None = None) -> tuple
     ------
     MissingFile
         A path does not exist.
+    UsageError
+        A path is a pipe or a device.
     BrokenLog
         Nothing under a path is a recording.
     NotFetched
@@ -51,7 +53,9 @@ def find_sources(paths: Sequence[Path], format_name: str | None = None) -> tuple
                 f"{path} does not exist", "a recording or a folder of recordings", "Check the spelling.", path=str(path)
             )
         if not (path.is_file() or path.is_dir()):
-            raise BrokenLog(f"{path} is a pipe or a device", "a file or a folder", "Copy its content into a file.")
+            raise UsageError(
+                f"{path} is a pipe or a device", "a file or a folder", "Copy its content into a file.", path=str(path)
+            )
         found, left = _below(path, format_name, MAX_DEPTH)
         if not found:
             if pointers := [file for file in left if is_lfs_pointer(file)]:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tactiledata.contract.schema import check_document, read_document
-from tactiledata.errors import SchemaError
+from tactiledata.errors import SchemaError, UsageError
 from tactiledata.rig.hidden.effects import hidden_effect, is_null
 from tactiledata.rig.motion.motion import TURNING_SPEED
 from tactiledata.rig.motion.touch import Generate, Step, TouchPlan
@@ -201,12 +201,12 @@ def load_scenario(source: Path | str | Mapping[str, Any], folder: Path | None = 
     else:
         path = Path(source)
         document, where, base = read_document(path, "scenario"), str(path), folder or path.parent
-    scenario = replace(_scenario(document, base), hidden=_hidden(document, where))
+    scenario = replace(_scenario(document, base, where), hidden=_hidden(document, where))
     _check(scenario, document, where)
     return scenario
 
 
-def _scenario(document: Mapping[str, Any], folder: Path) -> Scenario:
+def _scenario(document: Mapping[str, Any], folder: Path, where: str) -> Scenario:
     """Return the scenario of a document that fits the schema, without its hidden effects."""
     plain = {key: document[key] for key in ("title", "seed", "start_ns", "contact", "contact_pitch") if key in document}
     sections = {
@@ -224,7 +224,7 @@ def _scenario(document: Mapping[str, Any], folder: Path) -> Scenario:
     return Scenario(
         sensors={serial: _sensor(serial, entry) for serial, entry in document["sensors"].items()},
         indenters=dict(document["indenters"]),
-        robot=_robot(document.get("robot", {})),
+        robot=_robot(document.get("robot", {}), where),
         clocks={name: _record(ClockSetup, entry) for name, entry in document.get("clocks", {}).items()},
         trajectories=tuple(_touch(entry) for entry in document.get("trajectories", [])),
         folder=folder,
@@ -255,7 +255,7 @@ def _sensor(serial: str, entry: Mapping[str, Any]) -> SensorSetup:
     return SensorSetup(serial, entry["background"], entry.get("shore_00"), gel, entry.get("optics", {}))
 
 
-def _robot(entry: Mapping[str, Any]) -> Robot:
+def _robot(entry: Mapping[str, Any], where: str) -> Robot:
     """Return the robot of the section ``robot``; poses that it does not state keep their defaults."""
     chosen: dict[str, Any] = {}
     for item in fields(Robot):
@@ -263,7 +263,7 @@ def _robot(entry: Mapping[str, Any]) -> Robot:
             continue
         value = entry[item.name]
         to, _, source = item.name.partition("_from_")
-        chosen[item.name] = Transform.from_document(to, source, value) if source else value
+        chosen[item.name] = _posed(to, source, value, f"$.robot.{item.name}", where) if source else value
     if "centre_of_gravity" in chosen:
         chosen["centre_of_gravity"] = tuple(chosen["centre_of_gravity"])
     return Robot(**chosen)
@@ -283,6 +283,10 @@ def _check(scenario: Scenario, document: Mapping[str, Any], where: str) -> None:
     """Refuse what a schema cannot exclude: unknown names, ranges upside down, nothing to play, streams at 0 Hz."""
     if not scenario.trajectories and scenario.generate is None:
         raise _fault(where, "$", "neither `trajectories` nor `generate` is given", "something to play")
+    for name, entry in scenario.indenters.items():
+        if "base_from_indenter" in entry:
+            path = f"$.indenters.{name}.base_from_indenter"
+            _posed("base", "indenter", entry["base_from_indenter"], path, where)
     # explicit touches: names, sensors, indenters and places
     names: set[str] = set()
     for index, touch in enumerate(scenario.trajectories):
@@ -329,6 +333,14 @@ def _known(name: str, table: Mapping[str, Any], path: str, where: str) -> None:
     """Refuse a name that a table of the scenario does not describe."""
     if name not in table:
         raise _fault(where, path, f"{name!r} is not described", f"one of: {', '.join(table)}")
+
+
+def _posed(to: str, source: str, value: object, path: str, where: str) -> Transform:
+    """Return the transform that stands at a path of a scenario file; a refusal names the file and the path."""
+    try:
+        return Transform.from_document(to, source, value)
+    except (SchemaError, UsageError) as error:
+        raise _fault(where, path, error.found, error.expected) from error
 
 
 def _fault(where: str, path: str, found: str, expected: str) -> SchemaError:

@@ -13,7 +13,7 @@ import pyarrow as pa
 from tactiledata.contract.progress import Progress
 from tactiledata.contract.records import Encoding, Finding, Image
 from tactiledata.contract.take import FRAME_SCHEMA, FrameFlag
-from tactiledata.contract.wording import counted
+from tactiledata.contract.wording import agreeing, counted
 from tactiledata.errors import StoreError, UsageError
 from tactiledata.store.change.keep_sensors import keep_sensors
 from tactiledata.store.change.pieces import Origin, Piece, parents, pieces_of, rows_of, take_of
@@ -113,7 +113,8 @@ def _plan(origins: Sequence[Origin], target: Store, findings: list[Finding]) -> 
             held[sha256] = settings
             chosen.append(piece)
     if twice:
-        message = f"{twice} recordings are in more than one of the stores (or in the target already); each is kept once"
+        are = f"{counted(twice, 'recording')} {agreeing(twice, 'is', 'are')}"
+        message = f"{are} in more than one of the stores (or in the target already), and kept once"
         findings.append(Finding("merge-twice", "info", message, count=twice))
     if otherwise:
         shown = ", ".join(otherwise[:3]) + (" …" if len(otherwise) > 3 else "")

@@ -13,7 +13,7 @@ from tactiledata.contract.lfs_pointer import refuse_pointer_bytes
 from tactiledata.contract.provenance import bytes_digest
 from tactiledata.contract.schema import check_document
 from tactiledata.contract.sealed import SEAL, fits_seal, sealed_json
-from tactiledata.errors import MissingFile, SchemaError, StoreError
+from tactiledata.errors import MissingFile, NotAStore, SchemaError, StoreError
 from tactiledata.store.layout.places import FORMAT, FORMAT_NAME, FORMAT_VERSION, MANIFEST, TABLES, Settings
 from tactiledata.store.layout.regular_files import need_regular
 
@@ -171,12 +171,19 @@ def read_manifest(store_path: Path | str, checked: bool = True, damaged: bool = 
 
 
 def not_a_store(location: str, exists: bool) -> MissingFile | StoreError:
-    """The error for a place without a manifest."""
+    """The error for a place without a manifest: a folder may be a store that lost it, a file can be none."""
     if not exists:
         return MissingFile(
             f"there is no store at {location}",
             "the folder or URL of a store",
             "Check the name, or make the store with `tactiledata ingest`.",
+            path=location,
+        )
+    if Path(location).exists() and not Path(location).is_dir():
+        return NotAStore(
+            f"{location} is not a store: it is no folder",
+            "a folder that `tactiledata ingest` wrote",
+            "Name the folder of the store (its name usually ends in .zarr).",
             path=location,
         )
     return StoreError(

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from tactiledata.contract.provenance import bytes_digest, file_digest
-from tactiledata.errors import StoreError, UsageError
+from tactiledata.errors import NotAStore, StoreError, UsageError
 from tactiledata.store.layout.arrays import open_root
 from tactiledata.store.layout.batch import Batch
 from tactiledata.store.layout.lock import unwritable, writing_lock
@@ -77,7 +77,7 @@ def create(store_path: Path | str, settings: Settings | None = None) -> Manifest
 
 def _refuse_foreign(folder: Path) -> None:
     if not folder.is_dir():
-        raise StoreError(f"{folder} is a file", "a folder for a store", "Choose another name.", path=str(folder))
+        raise NotAStore(f"{folder} is a file", "a folder for a store", "Choose another name.", path=str(folder))
     ours = {".lock", STAGING, "zarr.json"}
     strangers = sorted(place.name for place in folder.iterdir() if place.name not in ours and place.suffix != ".part")
     if strangers:

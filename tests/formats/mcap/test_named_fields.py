@@ -100,10 +100,10 @@ def test_what_is_a_field_is_read(tmp_path, kind):
     ("kind", "path", "expected"),
     [
         ("ros2", "wrench.forse.x", "a field of 'wrench': force, torque"),
-        ("array", "data.size", "an item of 'data', such as data[0]"),
+        ("array", "data.size", "an item of 'data': data[0] to data[5]"),
         ("json", "one.x.real", "'one.x' itself, which is a number"),
         ("json", "two", "a field of the message: data, one"),
-        ("list", "two", "an item of the message, such as [0]"),
+        ("list", "two", "an item of the message: [0] to [5]"),
         ("protobuf", "force.w", "a field of 'force': x, y, z"),
         ("protobuf", "frame_id.title", "another field: 'frame_id' is a text"),
         ("protobuf", "frame_id[0]", "another field: 'frame_id' is a text"),
@@ -136,7 +136,7 @@ def test_inspect_refuses_it_too(tmp_path, capsys):
     code, _, said = run_command(capsys, "inspect", tmp_path / "run.mcap", "--mapping", tmp_path / "map.yaml")
     assert code == 1
     assert "names 'data.size'" in said
-    assert "expected an item of 'data', such as data[0]" in said
+    assert "expected an item of 'data': data[0] to data[5]" in said
 
 
 def test_an_integer_field_of_ros_is_read(tmp_path):

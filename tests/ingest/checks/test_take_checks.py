@@ -381,7 +381,7 @@ def empty_of(count, table=None):
 def test_trajectories_without_images_are_named():
     """Five by name, the others by a sign; where there are no images at all nothing is said."""
     assert empty_of(0) == []
-    assert [(one.count, one.message) for one in empty_of(1)] == [(1, "1 trajectories hold no image (e0)")]
+    assert [(one.count, one.message) for one in empty_of(1)] == [(1, "1 trajectory holds no image (e0)")]
     assert empty_of(5)[0].message == "5 trajectories hold no image (e0, e1, e2, e3, e4)"
     assert empty_of(6)[0].message == "6 trajectories hold no image (e0, e1, e2, e3, e4 …)"
     assert empty_of(1, frames(0)) == []

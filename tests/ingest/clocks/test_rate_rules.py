@@ -119,6 +119,8 @@ def test_a_gap_counts_by_its_part_in_a_trajectory():
     assert gap.count == 2
     assert (gap.start_ns - START, gap.end_ns - START) == (500 * MS, 400_000_500 * MS)
     assert gap.message == "wrench: 2 gaps inside trajectories, the largest 400000000 ms"
+    [gap] = gaps(steps[:-11], [(0, 10**9)])
+    assert gap.message == "wrench: 1 gap inside trajectories, the largest 300 ms"
 
 
 def test_a_force_sensor_that_never_changes_was_not_read():

@@ -137,7 +137,7 @@ def test_a_single_touch_far_from_the_zero_is_warned_of_with_its_distance():
     bias, said = zeroed([(0, 300), (12.5, 50), (20, 50), (12.5, 50), (0, 300)], [(300, 450)])
     assert bias[350] == 0.0
     assert said["no-free-air"].severity == "warning"
-    assert "They begin up to 12.50 N off it" in said["no-free-air"].message
+    assert "It begins 12.50 N off it: if nothing was touched then, its forces" in said["no-free-air"].message
     assert "wrench.tare_ns" in said["no-free-air"].message
 
 
@@ -198,8 +198,8 @@ def test_how_far_a_beginning_is_off_is_told_of_the_farthest_that_is_known():
     bias, said = zeroed(levels, [(100, 190), (300, 400)], change=change)
     assert (bias[150], bias[350]) == (1.0, 1.0)
     assert said["no-free-air"].count == 2
-    assert "(t0, t1); the nearest" in said["no-free-air"].message
-    assert "They begin up to 12.50 N off it" in said["no-free-air"].message
+    assert "begin in free air (t0); free air cannot be seen in 1 trajectory (t1)" in said["no-free-air"].message
+    assert "It begins 12.50 N off it: if nothing was touched then, its forces" in said["no-free-air"].message
 
 
 def test_a_trajectory_without_a_sound_sample_is_off_by_nothing_that_is_known():
@@ -210,7 +210,8 @@ def test_a_trajectory_without_a_sound_sample_is_off_by_nothing_that_is_known():
 
     _, said = zeroed([(1, 100), (5, 100), (1, 200)], [(100, 200)], change=change)
     assert said["no-free-air"].count == 1
-    assert "They begin up to 0.00 N off it" in said["no-free-air"].message
+    assert "free air cannot be seen in 1 trajectory (t0)" in said["no-free-air"].message
+    assert " N off" not in said["no-free-air"].message
 
 
 def test_samples_that_are_not_known_are_no_free_air():
@@ -255,6 +256,26 @@ def test_the_nearest_known_zero_is_taken():
     _, said = zeroed(levels, [*spans[:6], spans[-1]])
     assert said["no-free-air"].count == 5
     assert "(t1, t2, t3, t4, t5);" in said["no-free-air"].message
+
+
+def test_touches_without_a_whole_reading_are_said_to_be_unseen():
+    """Where all readings of a touch are NaN nothing is said of newtons; beside another, only of that one."""
+
+    def lost(load):
+        load[350:450] = np.nan
+
+    _, said = zeroed([(0, 800)], [(350, 450)], change=lost)
+    text = said["no-free-air"].message
+    assert "free air cannot be seen in 1 trajectory (t0) without a whole reading" in text
+    assert " N off" not in text
+    assert "do not begin" not in text
+    levels = [(0, 500), (12.5, 50), (20, 50), (12.5, 50), (0, 300)]
+    _, said = zeroed(levels, [(350, 450), (500, 650)], change=lost)
+    text = said["no-free-air"].message
+    assert "1 trajectory does not begin in free air (t1)" in text
+    assert "seen in 1 trajectory (t0) without" in text
+    assert "It begins 12.50 N off it" in text
+    assert said["no-free-air"].count == 2
 
 
 def test_zeros_that_move_are_said():
@@ -450,7 +471,7 @@ def test_stated_tares_say_nothing_of_free_air():
     _, said = zeroed(levels, [(0, 200)], [50])
     assert set(said) == {"tare-in-trajectory"}
     assert (said["tare-in-trajectory"].severity, said["tare-in-trajectory"].count) == ("info", 1)
-    assert "inside 1 trajectories (t0);" in said["tare-in-trajectory"].message
+    assert "inside 1 trajectory (t0);" in said["tare-in-trajectory"].message
     _, said = zeroed(levels, [(0, 50), (50, 200)], [50])
     assert said == {} or set(said) == {"zero-drift"}
     bias, _ = zeroed(levels, [(0, 200)], [50])
