@@ -1,4 +1,6 @@
-"""Optics: which picture the camera behind a deformed gel takes, computed without learned models.
+"""Optics: how a deformed gel changes the colours that the camera behind it sees, computed without learned models.
+
+A whole picture is a background with this change: `split_models.methods.optical_method` adds the two.
 
 Read in this order:
 

@@ -110,7 +110,9 @@ def series_of(projection: ProjectedResiduals, order_by: str) -> list[Series]:
 def change_points(
     projection: ProjectedResiduals, order_by: str = "index", seed: int = 0, draws: int = DRAWS
 ) -> tuple[ChangePoint, ...]:
-    """Return steps of the tested parameters from one trajectory to the next, the one with the smallest p-value first.
+    """Return certain steps of the tested parameters from one trajectory to the next, the smallest p-value first.
+
+    A step is certain at a p-value of at most 0.05, over all places where it could be. A parameter may have several.
 
     There are none where steps cannot be tested (`can_step`): the covariate is missing, or trajectories are exchanged in
     larger blocks. Tested parameters are those that all trajectories share and that `ResidualParameter.is_tested` marks.

@@ -47,7 +47,12 @@ def held_out(whitened: WhitenedTouches, fit: JointFit, seed: int = 0) -> Grouped
     fit : JointFit
         Fit to all of them.
     seed : int
-        Random seed with which trajectories are dealt to folds.
+        Random seed with which trajectories are dealt to at most five folds.
+
+    Returns
+    -------
+    GroupedCosts
+        Whitened squares of each trajectory (t,) and of each indenter (i,); the latter are empty for one indenter.
     """
     count = len(whitened.starts)
     dealt = folds_of(count, seed)

@@ -55,7 +55,15 @@ TO_UNIT = np.array([1.0, 1.0, 1.0, 1e3, 1e3, 1e3])
 
 
 def known_rows(white: WhitenedTouches, predicted: Array) -> NDArray[np.bool_]:
-    """Return the mask (N,) of rows with a measured wrench and a predicted one (N, 6)."""
+    """Return which of N frames (N,) have both a measured wrench and a predicted one.
+
+    Parameters
+    ----------
+    white : WhitenedTouches
+        Frames of all trajectories; one without a measured wrench has a weight of 0.
+    predicted : (N, 6)
+        Predicted wrenches, not a number where there is none.
+    """
     return (white.weights > 0) & np.isfinite(predicted).all(axis=1)
 
 

@@ -5,7 +5,8 @@
   damage said.
 - ``survey``: what a file says of itself. ``playback``: its messages, handed to whoever wants them.
 - ``roles``: which topic is what. ``readers``, ``reading``: from a role to numbers. ``decode``, ``cdr``: payloads to
-  messages. ``message_fields``: paths to the fields of a message.
+  messages. ``message_fields``: paths to the fields of a message. ``undecoded``: why a message
+  could not be decoded, in words.
 - ``collect``, ``images``, ``transform_tree``, ``describe``: signals, pictures, poses and the description.
 - ``tally``, ``contents``, ``likely_fields``, ``unread_topics``, ``mapping_draft``: ``inspect``, and a mapping to
   start from. ``passed_over``: topics that could be a stream that is lacking, and are not read.

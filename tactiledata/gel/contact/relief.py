@@ -42,7 +42,14 @@ class IndenterRelief:
 def indenter_relief(indenter: Indenter) -> IndenterRelief:
     """Return the height map of an indenter's underside.
 
-    Only surfaces visible from below count: undercuts and vertical walls take no pressure.
+    The grid has a spacing of ``PITCH``, in the indenter's frame with the tip at the origin. Only surfaces visible from
+    below count: undercuts and vertical walls take no pressure. Beside the body, the height of the nearest point of it
+    goes on, and ``covered`` says that there is none.
+
+    Parameters
+    ----------
+    indenter : Indenter
+        The indenter.
 
     Raises
     ------

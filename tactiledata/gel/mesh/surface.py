@@ -52,7 +52,16 @@ class ContactSurface:
 
 
 def contact_surface(mesh: PadMesh) -> ContactSurface:
-    """Return the contact surface of a mesh."""
+    """Return the whole outer surface of a mesh on which a contact may press, with its patches.
+
+    A patch is the surroundings of one corner node: the integration points of its faces, each by the corner's shape
+    function. Areas are those of the undeformed pad, m^2.
+
+    Parameters
+    ----------
+    mesh : PadMesh
+        Mesh with its outer faces, hexahedra or tetrahedra.
+    """
     nodes = mesh.surface
     faces = np.searchsorted(nodes, mesh.faces)
     corner_count = 4 if mesh.kind == "hexahedron8" else 3

@@ -275,6 +275,13 @@ def _touching(played_log: PlayedLog, serial: str, moment: int) -> PlayedTrajecto
 def background_of(scenario: Scenario, serial: str) -> NDArray[np.uint8]:
     """Return the real picture (320, 240, 3), uint8 RGB, of a sensor without contact.
 
+    Parameters
+    ----------
+    scenario : Scenario
+        Its ``sensors.<serial>.background`` names a file, relative to the scenario's folder, or a bundled picture.
+    serial : str
+        Serial number of the sensor.
+
     Raises
     ------
     MissingFile

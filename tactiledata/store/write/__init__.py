@@ -5,6 +5,7 @@
 - ``commit``: staged takes become part of the store in groups; the manifest is written last.
 - ``appender``, ``image_appender``, ``value_appender``, ``sensor_appender``: the rows and sensors of one group on
   their way into arrays and tables.
-- ``recover``: what a killed writer left behind is removed. ``documents``, ``card``: texts beside the manifest.
+- ``recover``: what a killed writer left behind is removed. ``documents``: texts beside the
+  manifest with their digests, and which of them differ from these. ``card``: the dataset card.
 - ``mesh_writer``: meshes that a replay attaches to frames.
 """
