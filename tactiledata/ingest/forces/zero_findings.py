@@ -51,7 +51,7 @@ def pressed_findings(missed: list[tuple[str, float]]) -> list[Finding]:
 
 
 def trusted_findings(trusted: list[tuple[str, float]]) -> list[Finding]:
-    """A warning of trajectories that begin and end far from the usual reading, and whose zero was believed nevertheless.
+    """A warning of trajectories that begin and end far from the usual reading, and whose zero was still believed.
 
     Parameters
     ----------
