@@ -86,6 +86,7 @@ def test_an_unknown_name_lists_near_ones():
     assert "cone, sphere, torus" in str(error)
     assert error.facts["near"] == ["sphere"]
     assert "none" in str(UnknownName("split", "x", []))
+    assert "one of: S1, S2." in str(UnknownName("sensor", "nope", ["S2", "S1", "S1"]))
 
 
 @given(st.text(), st.text(), st.text(), st.dictionaries(st.text(min_size=1).map(lambda t: f"k{t}"), st.integers()))

@@ -10,27 +10,19 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from tactiledata.arrays import Array
-from tactiledata.contract.wording import counted
 from tactiledata.diagnose.locate.free_air import in_contact
 from tactiledata.diagnose.residuals.instruments import MOST_LEVELS
 from tactiledata.diagnose.residuals.residuals import FEWEST_UNITS, Covariate, ResidualParameter, Residuals
 from tactiledata.diagnose.residuals.wording import quantity
-from tactiledata.diagnose.table_input.columns import Columns, columns_of, is_text
+from tactiledata.diagnose.table_input.columns import Columns, columns_of
 from tactiledata.diagnose.table_input.held_steps import times_since_steps
+from tactiledata.diagnose.table_input.kept_rows import LARGEST, thinned, whole_rows, without_repeats, without_strays
 from tactiledata.errors import TactileDataError
 
-FAR = 30.0
-"""Distance of an outlier from the median, in median distances: 20 standard deviations of a normal distribution."""
-MOST_STRAYS = 0.02
-"""Largest share of the rows that are removed as outliers; if there are more, all rows are kept."""
-MOST_ROWS = 20_000
-"""Rows above which groups are thinned: more rows of the same groups cost time and add little information."""
-LARGEST, SMALLEST = 1e30, 1e-30
-"""Largest number and smallest noise that are accepted: squares of values beyond would overflow or underflow."""
+SMALLEST = 1e-30
+"""Smallest noise that is accepted: the square of a smaller one would underflow."""
 SMALLEST_SPREAD = 0.2
 """Least standard deviation of a prediction, over the scatter about it, that separates a scale from an offset."""
-MOST_MISSING = 0.2
-"""Largest share of rows that a covariate may lack; above it the covariate is left out, not the rows."""
 
 
 @dataclass(frozen=True)
@@ -80,13 +72,13 @@ def residuals_of(frame: pd.DataFrame, document: dict[str, Any] | None = None, gr
     # rows: without gaps and outliers, in order of groups and time, thinned where there are very many
     columns = columns_of(frame, document, group)
     notes: list[str] = []
-    rows = _without_strays(_whole_rows(frame, columns, notes), columns, notes)
-    rows, groups = _without_repeats(rows, _group_numbers(rows[columns.group]), columns, notes)
+    rows = without_strays(whole_rows(frame, columns, notes), columns, notes)
+    rows, groups = without_repeats(rows, _group_numbers(rows[columns.group]), columns, notes)
     time = columns.covariates[columns.time][0] if columns.time else None
     if time and not (np.abs(rows[time].to_numpy(dtype=float, na_value=np.nan)) < LARGEST).all():
         time = None
     order = np.lexsort((rows[time].to_numpy(dtype=float), groups)) if time else np.argsort(groups, kind="stable")
-    rows, groups = _thinned(rows.iloc[order], groups[order], notes)
+    rows, groups = thinned(rows.iloc[order], groups[order], notes)
     _enough_groups(rows[columns.group], columns.group)
     # covariates, also the number of the group and the time since steps of a held covariate
     covariates = _covariates(rows, columns, notes)
@@ -120,90 +112,6 @@ def residuals_of(frame: pd.DataFrame, document: dict[str, Any] | None = None, gr
             "Rename or drop the column if it means something else.",
         )  # fmt: skip
     return Table(columns, residuals, is_known, tuple(notes))
-
-
-def _whole_rows(frame: pd.DataFrame, columns: Columns, notes: list[str]) -> pd.DataFrame:
-    """Return the rows whose group, quantities and covariates are finite numbers; a sparse covariate is left out."""
-    needed = [column for pair in columns.quantities for column in (pair.observed, pair.predicted)]
-    needed += [pair.noise for pair in columns.quantities if isinstance(pair.noise, str)]
-    optional = [column for column, _ in columns.covariates.values()]
-    for column in (*needed, *optional):
-        if is_text(frame[column]):
-            texts = frame[column][pd.to_numeric(frame[column], errors="coerce").isna()].dropna()
-            example = f", such as {str(texts.iloc[0])!r}" if len(texts) else ""
-            raise TactileDataError(f"column {column} holds texts{example}", "numbers", "Correct or drop the column.")
-    # a covariate that many rows lack is dropped; rows with other gaps are dropped
-    numbers = frame[[*needed, *optional]].astype(np.float64)
-    numbers = numbers.where(numbers.abs() < LARGEST)
-    missing = numbers[optional].isna().mean()
-    sparse = [column for column in optional if missing[column] > MOST_MISSING and column != columns.time]
-    kept = numbers.drop(columns=sparse).notna().all(axis=1) & frame[columns.group].notna()
-    for column in sparse:
-        share = f"{100 * missing[column]:.0f} %"
-        notes.append(f"column {column} is left out: {share} of its rows are empty, or beyond {LARGEST:g}")
-    if not kept.all():
-        gaps = [column for column in [*needed, *optional] if column not in sparse and numbers[column].isna().any()]
-        gaps += [columns.group] if frame[columns.group].isna().any() else []
-        where = f"empty, or beyond {LARGEST:g}, in {', '.join(gaps)}"
-        notes.append(f"{counted(int((~kept).sum()), 'row')} of {len(kept)} left out: {where}")
-        if not kept.any():
-            raise TactileDataError(
-                f"no row is complete: {where}", "group, observed, predicted and covariates in one row",
-                "Fill the gaps, drop a column, or write numbers in larger units.",
-            )  # fmt: skip
-    return frame.loc[kept]
-
-
-def _without_strays(rows: pd.DataFrame, columns: Columns, notes: list[str]) -> pd.DataFrame:
-    """Return the rows without outliers, which would dominate every statistic; all rows where outliers are not rare."""
-    is_stray = pd.Series(False, index=rows.index)
-    for pair in columns.quantities:
-        difference = rows[pair.observed] - rows[pair.predicted]
-        distance = (difference - difference.median()).abs()
-        is_stray |= (distance > FAR * distance.median()) & (distance.median() > 0)
-    if not 0 < is_stray.mean() <= MOST_STRAYS:
-        return rows
-    first = ", ".join(str(number) for number in rows.index[is_stray][:5])
-    notes.append(
-        f"{counted(int(is_stray.sum()), 'row')} left out: the distance of observed minus predicted from its median is "
-        f"more than {FAR:.0f} times the median distance (first: {first}, counted from 0)"
-    )
-    return rows[~is_stray]
-
-
-def _without_repeats(
-    rows: pd.DataFrame, groups: NDArray[np.int64], columns: Columns, notes: list[str]
-) -> tuple[pd.DataFrame, NDArray[np.int64]]:
-    """Return the rows, each once, and their groups, where a time tells a row that stands twice from an equal reading.
-
-    Twice the same row is no second reading: it would halve the scatter from row to row, to which the gap is measured.
-    """
-    times = rows[columns.covariates[columns.time][0]] if columns.time else pd.Series(0.0, index=rows.index)
-    if times.nunique() < 2:
-        return rows, groups
-    said = [pair.observed for pair in columns.quantities] + [pair.predicted for pair in columns.quantities]
-    values = rows[said].to_numpy(dtype=np.float64)
-    keys = np.column_stack([groups, times.to_numpy(dtype=np.float64, na_value=np.nan), values])
-    is_repeat = pd.DataFrame(keys).duplicated().to_numpy()
-    if is_repeat.any():
-        n_repeats = int(is_repeat.sum())
-        notes.append(
-            f"{counted(n_repeats, 'row')} of {len(rows)} left out: another row of the group has the same time, "
-            "observations and predictions"
-        )
-    return rows.loc[~is_repeat], groups[~is_repeat]
-
-
-def _thinned(rows: pd.DataFrame, groups: NDArray[np.int64], notes: list[str]) -> tuple[pd.DataFrame, NDArray[np.int64]]:
-    """Return evenly spaced rows of each group, its first one included, where there are more than `MOST_ROWS` rows."""
-    stride = -(-len(rows) // MOST_ROWS)
-    if stride == 1:
-        return rows, groups
-    starts = np.flatnonzero(np.diff(groups, prepend=-1) != 0)
-    place = np.arange(len(groups)) - np.repeat(starts, np.diff(starts, append=len(groups)))
-    kept = place % stride == 0
-    notes.append(f"one row of {stride} of each group is used: {int(kept.sum())} of {len(rows)}")
-    return rows.loc[kept], groups[kept]
 
 
 def _group_numbers(column: pd.Series) -> NDArray[np.int64]:

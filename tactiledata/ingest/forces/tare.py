@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactiledata.contract.records import Finding, Times, Values
-from tactiledata.contract.wording import agreeing, counted
+from tactiledata.contract.wording import counted
 from tactiledata.ingest.forces.tare_events import (
     PAUSE,
     Tare,
@@ -17,6 +17,7 @@ from tactiledata.ingest.forces.tare_events import (
     tares_near,
     without_steps,
 )
+from tactiledata.ingest.forces.zero_findings import drift_findings, pressed_findings, trusted_findings
 from tactiledata.ingest.forces.zero_levels import (
     ends_of,
     free_beginnings,
@@ -33,9 +34,6 @@ RELEASE_SHARE = 0.5
 
 MIN_FREE_AIR = 10
 """Samples without contact that a zero is taken from, at least."""
-
-DRIFT_WORTH_SAYING = 0.2
-"""N. Range of the zeros of one recording's trajectories, from which on it is reported."""
 
 SURELY_FREE = 0.5
 """Share of the samples before a touch is noticed that is free air for sure: a slow press is under the threshold for as
@@ -176,9 +174,9 @@ def find_zero(
             bias[row:end] = zero
     for _, start, stop in missed:
         _take_nearest(bias, known, tares, start, stop)
-    findings.extend(_drift_findings(zeros))
-    findings.extend(_pressed_findings([(name, _begins_off(load, bias, start, stop)) for name, start, stop in missed]))
-    findings.extend(_trusted_findings(trusted))
+    findings.extend(drift_findings(zeros))
+    findings.extend(pressed_findings([(name, _begins_off(load, bias, start, stop)) for name, start, stop in missed]))
+    findings.extend(trusted_findings(trusted))
     return Zero(bias, "median of each trajectory's free air before the first touch", noise, tuple(findings))
 
 
@@ -277,6 +275,16 @@ def _take_nearest(bias: Values, known: list[tuple[int, np.ndarray]], tares: list
             bias[begin:end] = min(near, key=lambda entry: abs(entry[0] - begin))[1]
 
 
+def _newtons(difference: np.ndarray) -> float:
+    return float(np.linalg.norm(difference[:3]))
+
+
+def _begins_off(load: Values, bias: Values, start: int, stop: int) -> float:
+    """N. How far the first sound samples of a trajectory are from the zero that it was given; NaN without any."""
+    rows = start + np.flatnonzero(np.isfinite(load[start:stop]).all(axis=1))[:MIN_FREE_AIR]
+    return _newtons(np.median(load[rows] - bias[rows], axis=0)) if len(rows) else np.nan
+
+
 def _tare_findings(
     t_ns: Times, tare_ns: list[int], tares: list[Tare], spans: list[tuple[str, int, int]]
 ) -> list[Finding]:
@@ -291,72 +299,3 @@ def _tare_findings(
         f"{' …' if len(inside) > 5 else ''}); the reading jumps there, and the zero of its contact force with it"
     )
     return [Finding("tare-in-trajectory", "info", text, "wrench", count=len(inside))]
-
-
-def _newtons(difference: np.ndarray) -> float:
-    return float(np.linalg.norm(difference[:3]))
-
-
-def _begins_off(load: Values, bias: Values, start: int, stop: int) -> float:
-    """N. How far the first sound samples of a trajectory are from the zero that it was given; NaN without any."""
-    rows = start + np.flatnonzero(np.isfinite(load[start:stop]).all(axis=1))[:MIN_FREE_AIR]
-    return _newtons(np.median(load[rows] - bias[rows], axis=0)) if len(rows) else np.nan
-
-
-def _names(off: list[tuple[str, float]]) -> str:
-    return ", ".join(name for name, _ in off[:5]) + (" …" if len(off) > 5 else "")
-
-
-def _pressed_findings(missed: list[tuple[str, float]]) -> list[Finding]:
-    """A warning, not damage: a touch that begins pressed is sound, and one touch alone cannot tell it from a zero that
-    somebody moved. By how much it would be off is said, so that a person can tell; NaN stands for touches of which
-    nobody knows.
-    """
-    if not missed:
-        return []
-    seen = [(name, away) for name, away in missed if np.isfinite(away)]
-    unseen = [(name, away) for name, away in missed if not np.isfinite(away)]
-    parts, off = [], ""
-    if seen:
-        do = agreeing(len(seen), "does", "do")
-        parts.append(f"{counted(len(seen), 'trajectory')} {do} not begin in free air ({_names(seen)})")
-        they_begin = agreeing(len(seen), "It begins", "They begin up to")
-        off = (
-            f" {they_begin} {max(away for _, away in seen):.2f} N off it: if nothing was touched then, "
-            f"{agreeing(len(seen), 'its', 'their')} forces are off by as much."
-        )
-    if unseen:
-        parts.append(
-            f"free air cannot be seen in {counted(len(unseen), 'trajectory')} ({_names(unseen)}) without a whole "
-            "reading: each is NaN, or has no pose by which the tool's weight is taken off"
-        )
-    text = (
-        f"wrench: {'; '.join(parts)}; the nearest zero that is known was taken.{off} "
-        "State tares in wrench.tare_ns, or begin in free air"
-    )
-    return [Finding("no-free-air", "warning", text, "wrench", count=len(missed))]
-
-
-def _trusted_findings(trusted: list[tuple[str, float]]) -> list[Finding]:
-    if not trusted:
-        return []
-    begin = agreeing(len(trusted), "begins", "begin up to")
-    text = (
-        f"wrench: {counted(len(trusted), 'trajectory')} ({_names(trusted)}) {begin} "
-        f"{max(away for _, away in trusted):.2f} N "
-        "from what the sensor reads most of the time, and there, too, is the end: taken as free air after a tare that "
-        "nobody stated. If something was pressed all the time, the forces are too small by as much. State tares in "
-        "wrench.tare_ns"
-    )
-    return [Finding("zero-far", "warning", text, "wrench", count=len(trusted))]
-
-
-def _drift_findings(zeros: list[np.ndarray]) -> list[Finding]:
-    findings: list[Finding] = []
-    if len(zeros) > 1:
-        stack = np.stack(zeros)[:, :3]
-        drift = float(np.linalg.norm(stack.max(axis=0) - stack.min(axis=0)))
-        if drift > DRIFT_WORTH_SAYING:
-            text = f"wrench: its zero moves by {drift:.2f} N over {len(zeros)} trajectories; each has its own zero"
-            findings.append(Finding("zero-drift", "info", text, "wrench", count=len(zeros)))
-    return findings

@@ -73,6 +73,24 @@ def test_a_fault_is_named_by_its_place(changes, path):
     assert caught.value.facts["path"] == path
 
 
+@pytest.mark.parametrize(
+    ("changes", "path"),
+    [
+        ({"robot": {"tcp_from_gel": {"xyz": [0, 0, 0], "xyzw": [0, 0, 0, 0]}}}, "$.robot.tcp_from_gel"),
+        (
+            {"indenters": {"ball": {"shape": "sphere", "radius": 0.004,
+                                    "base_from_indenter": {"xyz": [0, 0, 0], "xyzw": [0, 0, 0, 0]}}}},
+            "$.indenters.ball.base_from_indenter",
+        ),
+    ],
+)  # fmt: skip
+def test_a_rotation_of_zeros_is_refused_by_its_place(changes, path):
+    """A quaternion without a length, of the robot or of an indenter: file, place and what was expected."""
+    with pytest.raises(SchemaError, match=r"expected a unit quaternion x y z w") as caught:
+        load_scenario(changed(**changes))
+    assert str(caught.value).startswith(f"the scenario, at {path}: rotation of ")
+
+
 def test_nothing_to_play_is_refused():
     """A scenario with neither trajectories nor generate is refused."""
     document = changed()
