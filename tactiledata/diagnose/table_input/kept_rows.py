@@ -23,7 +23,17 @@ LARGEST = 1e30
 
 
 def whole_rows(frame: pd.DataFrame, columns: Columns, notes: list[str]) -> pd.DataFrame:
-    """Return the rows whose group, quantities and covariates are finite numbers; a sparse covariate is left out."""
+    """Return the rows whose group, quantities and covariates are finite numbers; a sparse covariate is left out.
+
+    Parameters
+    ----------
+    frame : DataFrame
+        The table as it was read.
+    columns : Columns
+        Meaning of each column.
+    notes : list of str
+        Takes a sentence on what is left out.
+    """
     needed = [column for pair in columns.quantities for column in (pair.observed, pair.predicted)]
     needed += [pair.noise for pair in columns.quantities if isinstance(pair.noise, str)]
     optional = [column for column, _ in columns.covariates.values()]
@@ -55,7 +65,17 @@ def whole_rows(frame: pd.DataFrame, columns: Columns, notes: list[str]) -> pd.Da
 
 
 def without_strays(rows: pd.DataFrame, columns: Columns, notes: list[str]) -> pd.DataFrame:
-    """Return the rows without outliers, which would dominate every statistic; all rows where outliers are not rare."""
+    """Return the rows without outliers, which would dominate every statistic; all rows where outliers are not rare.
+
+    Parameters
+    ----------
+    rows : DataFrame
+        Rows of the table.
+    columns : Columns
+        Meaning of each column.
+    notes : list of str
+        Takes a sentence on what is left out.
+    """
     is_stray = pd.Series(False, index=rows.index)
     for pair in columns.quantities:
         difference = rows[pair.observed] - rows[pair.predicted]
@@ -77,6 +97,17 @@ def without_repeats(
     """Return the rows, each once, and their groups, where a time tells a row that stands twice from an equal reading.
 
     Twice the same row is no second reading: it would halve the scatter from row to row, to which the gap is measured.
+
+    Parameters
+    ----------
+    rows : DataFrame
+        Rows of the table.
+    groups : (n,) int
+        Number of the group of each row.
+    columns : Columns
+        Meaning of each column.
+    notes : list of str
+        Takes a sentence on what is left out.
     """
     times = rows[columns.covariates[columns.time][0]] if columns.time else pd.Series(0.0, index=rows.index)
     if times.nunique() < 2:
@@ -95,7 +126,17 @@ def without_repeats(
 
 
 def thinned(rows: pd.DataFrame, groups: NDArray[np.int64], notes: list[str]) -> tuple[pd.DataFrame, NDArray[np.int64]]:
-    """Return evenly spaced rows of each group, its first one included, where there are more than `MOST_ROWS` rows."""
+    """Return evenly spaced rows of each group, its first one included, where there are more than `MOST_ROWS` rows.
+
+    Parameters
+    ----------
+    rows : DataFrame
+        Rows of the table, in order of groups.
+    groups : (n,) int
+        Number of the group of each row.
+    notes : list of str
+        Takes a sentence on what is left out.
+    """
     stride = -(-len(rows) // MOST_ROWS)
     if stride == 1:
         return rows, groups
