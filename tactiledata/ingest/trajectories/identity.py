@@ -11,7 +11,7 @@ import numpy as np
 
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Finding, Recording, Trajectory
-from tactiledata.contract.wording import counted
+from tactiledata.contract.wording import agreeing, counted
 from tactiledata.ingest.trajectories.frames import CapturedFrames
 
 Say = Callable[..., None]
@@ -75,7 +75,8 @@ def name_sensors(
         ]
     if parted:
         text = (
-            f"{counted(len(parted), 'trajectory')} without a named sensor, with images of several "
+            f"{counted(len(parted), 'trajectory')} {agreeing(len(parted), 'names', 'name')} no sensor and "
+            f"{agreeing(len(parted), 'holds', 'hold')} images of several "
             f"({', '.join(parted[:3])}{' …' if len(parted) > 3 else ''}): each is kept once a sensor, as "
             f"{part_name(parted[0], '<serial>')!r}. Name the sensor of each trajectory if only one was touched"
         )
