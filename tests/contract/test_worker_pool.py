@@ -64,8 +64,12 @@ def test_workers_end_within_seconds_of_their_parent(tmp_path, work, ending):
     content, count = PARENTS[work]
     script = tmp_path / "parent.py"
     script.write_text(content)
+    # a shell that runs the tests in the background has its children ignore interrupts; a person's shell does not
     parent = subprocess.Popen(
-        [sys.executable, str(script), str(tmp_path / "out")], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
+        [sys.executable, str(script), str(tmp_path / "out")],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     try:
         assert wait_until(lambda: len(workers_of(parent.pid)) == count)
