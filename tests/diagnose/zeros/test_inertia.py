@@ -4,13 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from recorded_touches import recorded_store
 
 from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.diagnose.zeros.inertia import FEWEST, FreeAirMoves, find_inertia
-from tactiledata.diagnose.zeros.readings import read_moves
+from tactiledata.diagnose.zeros.readings import StoreReadings
 from tactiledata.effects.touch.felt_acceleration import FREQUENCIES, felt_accelerations
 from tactiledata.replay.opened import OpenedStore
 from tactiledata.store.read.reader import Store
@@ -74,10 +72,19 @@ def test_noise_of_positions_does_not_make_the_mass_smaller():
     assert blurred.mass < found.mass
 
 
-@settings(max_examples=15)
-@given(st.integers(0, 10_000), st.floats(0.0, 0.95), st.floats(-0.3, 0.3))
+CLOSEST = [(1, 0.875, 0.0), (9051, 0.857, -0.101), (349, 0.811, 0.13), (8616, 0.772, -0.253), (114, 0.244, -0.058)]
+"""Seed, memory and drift of worlds that look most like inertia, of 700 drawn ones."""
+
+
+def drawn(count):
+    """Seeds, memories and drifts of as many worlds, drawn once for all."""
+    rng = np.random.default_rng(5)
+    return zip(rng.integers(0, 10_000, count), rng.uniform(0, 0.95, count), rng.uniform(-0.3, 0.3, count), strict=True)
+
+
+@pytest.mark.parametrize(("seed", "memory", "drift"), [*CLOSEST, *drawn(20)])
 def test_nothing_is_found_where_there_is_none(seed, memory, drift):
-    """Whatever the memory of the noise and the drift of the zero."""
+    """Nothing is found without inertia, whatever the memory of the noise and the drift of the zero, N/s."""
     assert find_inertia(moves(seed=seed, memory=memory, drift=drift)) is None
 
 
@@ -98,7 +105,7 @@ def test_an_arm_that_stands_still_shows_nothing():
 
 
 def test_few_trajectories_show_nothing():
-    """Seven trajectories are too few, however large the mass, and twelve are enough; those of one count once."""
+    """Thirteen trajectories are too few, however large the mass, and eighteen are enough; those of one count once."""
     assert find_inertia(moves(3.0, count=FEWEST - 1)) is None
     same = [replace(one, trajectory=0) for one in moves(3.0)]
     assert find_inertia(same) is None
@@ -113,7 +120,7 @@ def test_recorded_tools_swing(tmp_path):
 
     def found(name, **changes):
         store = Store.open(recorded_store(tmp_path / name, generate=generate, **changes))
-        return find_inertia(read_moves(OpenedStore.planned(store, CalibrationOptions().pads)))
+        return find_inertia(StoreReadings(OpenedStore.planned(store, CalibrationOptions().pads)).moves())
 
     heavy = found("a", hidden=[{"effect": "inertia", "strength": "strong"}])
     # slow moves and positions with noise hardly tell the frequency
