@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from enum import Enum
+from enum import StrEnum
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -30,7 +30,7 @@ ADVICE = {
 """What to record where a parameter cannot be known."""
 
 
-class Knowledge(Enum):
+class Knowledge(StrEnum):
     """What data say of a parameter."""
 
     IDENTIFIED = "identified"
@@ -44,14 +44,14 @@ class KnownParameter:
 
     Parameters
     ----------
-    verdict : str
-        A value of `Knowledge`. A bounded parameter has an interval that ends at a bound of the search on one side: the
+    verdict : Knowledge
+        A bounded parameter has an interval that ends at a bound of the search on one side: the
         data say "at least" or "at most".
     record : str
         Which touches would tell more; empty where it is identified.
     """
 
-    verdict: str
+    verdict: Knowledge
     record: str
 
     @property
@@ -78,7 +78,7 @@ def known_parameters(intervals: Intervals, bounds: Bounds, is_slid: bool) -> dic
         is_told = widths[k] <= WIDE and (name != "friction" or is_slid)
         is_open = bool(intervals.is_open[k].any())
         verdict = Knowledge.NOT_TOLD if not is_told else Knowledge.BOUNDED if is_open else Knowledge.IDENTIFIED
-        found[name] = KnownParameter(verdict.value, "" if verdict is Knowledge.IDENTIFIED else ADVICE[name])
+        found[name] = KnownParameter(verdict, "" if verdict is Knowledge.IDENTIFIED else ADVICE[name])
     return found
 
 

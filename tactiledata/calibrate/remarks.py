@@ -78,7 +78,7 @@ def _not_told(fit: Fit, bounds: Bounds, is_slid: bool) -> Iterator[Finding]:
     widths = np.ptp(fit.intervals.ends, axis=1) / bounds.span
     known = known_parameters(fit.intervals, bounds, is_slid)
     for k, (name, _, _) in enumerate(bounds):
-        if known[name].verdict != Knowledge.NOT_TOLD.value:
+        if known[name].verdict != Knowledge.NOT_TOLD:
             continue
         why = (
             f"its 95 % interval, {_interval(name, fit, k)}, covers {100 * widths[k]:.0f} % of the bounds"

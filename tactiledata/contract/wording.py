@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 
 def counted(number: int, noun: str) -> str:
     """A number and its noun, in the plural where there is not one.
@@ -32,3 +34,21 @@ def agreeing(number: int, one: str, several: str) -> str:
     ['1 gap lies inside', '2 gaps lie inside']
     """
     return one if number == 1 else several
+
+
+def listed(names: Sequence[str], most: int) -> str:
+    """The first names, with commas between them and a mark where there are more.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Names in their order.
+    most : int
+        How many are listed.
+
+    Examples
+    --------
+    >>> listed(["t1", "t2", "t3"], 2)
+    't1, t2 …'
+    """
+    return ", ".join(names[:most]) + (" …" if len(names) > most else "")

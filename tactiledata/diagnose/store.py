@@ -23,7 +23,7 @@ from tactiledata.diagnose.unseen.touch_residuals import case_residuals, locating
 from tactiledata.diagnose.zeros.causes import no_zeros, zero_causes
 from tactiledata.diagnose.zeros.dead_band import find_dead_band
 from tactiledata.diagnose.zeros.inertia import find_inertia
-from tactiledata.diagnose.zeros.readings import read_logged, read_moves, read_zeros
+from tactiledata.diagnose.zeros.readings import StoreReadings
 from tactiledata.effects.touch.response import GelVariant
 from tactiledata.replay.opened import OpenedStore
 from tactiledata.store.check.values import need_sound_values
@@ -101,10 +101,11 @@ def diagnose_store(
     # what to record next, limits of the recordings, causes of drifting zeros
     step_progress("what to record next")
     proposals = propose_trials(naming)
-    free = read_zeros(opened)
+    readings = StoreReadings(opened)
+    free = readings.zeros()
     remarks = [*limits(played.touch_set, naming.base.model.material), *filter(None, [no_zeros(free)])]
     causes = zero_causes(free, options.seed)
-    shown_by_readings = find_dead_band(read_logged(opened)), find_inertia(read_moves(opened), options.seed)
+    shown_by_readings = find_dead_band(readings.logged()), find_inertia(readings.moves(), options.seed)
     simulated = simulated_trajectories(store, played.uids)
     return StoreDiagnosis(
         store.digest,

@@ -14,7 +14,7 @@ from tactiledata.contract.image_batches import image_batches
 from tactiledata.contract.image_bytes import size_fault
 from tactiledata.contract.progress import Progress
 from tactiledata.contract.records import Finding
-from tactiledata.contract.wording import counted
+from tactiledata.contract.wording import agreeing, counted
 from tactiledata.errors import SchemaError, StoreError
 from tactiledata.splits import leaks, moment_leaks
 from tactiledata.splits.copies import Portrait, compare_images, sensor_noise
@@ -233,7 +233,7 @@ def _too_large(store: Store, rows: NDArray[np.int64]) -> NDArray[np.bool_]:
 def _not_compared(rows: list[int], why: str, command: str) -> list[Finding]:
     if not rows:
         return []
-    are = "is" if len(rows) == 1 else "are"
+    are = agreeing(len(rows), "is", "are")
     message = (
         f"{counted(len(rows), 'image')} {are} {why} and not compared, first frame {rows[0]}: "
         f"`tactiledata {command}` marks such images, and training leaves them out"

@@ -37,7 +37,7 @@ def verdicts(found):
 
 
 def test_narrow_intervals_inside_the_box_are_identified():
-    """Nothing more need be recorded."""
+    """E, nu and mu with such intervals are identified, and no further touch is asked for."""
     found = known_parameters(intervals((0.4, 0.5), (0.2, 0.9), (0.3, 0.4)), BOX, True)
     assert verdicts(found) == ["identified"] * 3
     assert {one.record for one in found.values()} == {""}
@@ -53,7 +53,7 @@ def test_an_interval_that_ends_at_a_bound_says_at_least_or_at_most():
 
 @pytest.mark.parametrize(("width", "verdict"), [(WIDE - 0.01, "bounded"), (WIDE + 0.01, "not told by these data")])
 def test_an_interval_that_fills_the_box_tells_nothing(width, verdict):
-    """On either side of the limit, with the upper end at the bound."""
+    """An interval over more than 80 % of the box is not told; one just below that only bounds the parameter."""
     at_bounds = ((False, False), (False, True), (False, False))
     found = known_parameters(intervals((0.4, 0.5), (1 - width, 1.0), (0.3, 0.4), is_open=at_bounds), BOX, True)
     assert verdicts(found) == ["identified", verdict, "identified"]
@@ -80,7 +80,7 @@ def test_presses_alone_never_tell_friction():
     ],
 )
 def test_a_touch_may_slide_where_it_moves_or_turns_while_it_presses(sideways, turn, presses, slides):
-    """On either side of both limits; a move in free air is no slide. One touch among presses is enough."""
+    """Moves and turns just above their limits may slide, just below not, nor moves in free air; one touch is enough."""
     assert may_slide([touch(sideways, turn, presses)]) is slides
     assert may_slide([touch(), touch(sideways, turn, presses)]) is slides
 

@@ -67,7 +67,7 @@ def test_every_cut_is_noticed(suffix):
 
 
 def test_every_flipped_bit_of_a_png_is_noticed():
-    """With any bit behind the signature flipped, a PNG is refused or said to be incomplete; as it is, it is whole."""
+    """A PNG with one flipped bit behind its signature is refused or incomplete; without a flip it is whole."""
     whole = encoded(".png", picture(8, 6))
     note = b"tEXta note"
     payload = whole[:33] + (6).to_bytes(4, "big") + note + zlib.crc32(note).to_bytes(4, "big") + whole[33:]

@@ -96,7 +96,7 @@ def zero_causes(zeros: ForceZeros, seed: int = 0) -> list[ZeroCause]:
     Parameters
     ----------
     zeros : ForceZeros
-        Mean readings in free air, as `read_zeros` returns them.
+        Mean readings in free air, as `StoreReadings.zeros` returns them.
     seed : int
         Random seed of the permutations.
     """

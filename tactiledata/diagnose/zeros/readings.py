@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -70,34 +71,6 @@ class ForceZeros:
         return len(np.unique(self.trajectory))
 
 
-def read_zeros(opened: OpenedStore) -> ForceZeros:
-    """Return the zeros of all trajectories of a store that begin in free air and have poses; empty without any."""
-    reader = _Reader(opened)
-    pieces = [piece for number, row in enumerate(opened.trajectories) for piece in reader.pieces(number, row)]
-    joints = [piece["joints"] for piece in pieces]
-    return ForceZeros(
-        np.array([piece["load"] for piece in pieces]).reshape(-1, 6),
-        np.array([piece["trajectory"] for piece in pieces], dtype=np.int64),
-        np.unique([f"{piece['zeroed']}" for piece in pieces], return_inverse=True)[1].astype(np.int64),
-        np.array([piece["down"] for piece in pieces]).reshape(-1, 3),
-        np.array([piece["seconds"] for piece in pieces], dtype=np.float64),
-        np.array(joints) if joints and all(angles is not None for angles in joints) else None,
-    )
-
-
-def read_logged(opened: OpenedStore) -> list[Array]:
-    """Return the readings (m, 6), N and N m, of each trajectory that has forces, as they were logged."""
-    reader = _Reader(opened)
-    signals = [reader.signal("wrench", row["spans"]) for row in opened.trajectories]
-    return [signal.values for signal in signals if signal is not None]
-
-
-def read_moves(opened: OpenedStore) -> list[FreeAirMoves]:
-    """Return the free air of all trajectories of a store, with the acceleration of a tool that swings on the arm."""
-    reader = _Reader(opened)
-    return [one for number, row in enumerate(opened.trajectories) for one in reader.moves(number, row)]
-
-
 @dataclass(frozen=True)
 class _FreeAir:
     """Readings of one trajectory before its first touch.
@@ -120,18 +93,55 @@ class _FreeAir:
     ft_from_tcp: Array
 
 
-class _Reader:
-    """Reads pieces of free air from one store."""
+class StoreReadings:
+    """Readings of the force sensor in all trajectories of a store; each trajectory is read once.
+
+    Parameters
+    ----------
+    opened : OpenedStore
+        The store.
+    """
 
     def __init__(self, opened: OpenedStore) -> None:
-        self._store, self._descriptions = opened.store, opened.descriptions
+        self._store, self._descriptions, self._rows = opened.store, opened.descriptions, opened.trajectories
 
-    def pieces(self, number: int, row: Mapping[str, Any]) -> list[dict[str, Any]]:
-        """Return the pieces of one trajectory, from its row of the table; keys as the fields of `ForceZeros`."""
-        air = self._free_air(row)
-        if air is None:
-            return []
-        joints = self.signal("joints", row["spans"])
+    def zeros(self) -> ForceZeros:
+        """Return the zeros of all trajectories that begin in free air and have poses; empty without any."""
+        pieces = [
+            piece for number, air in enumerate(self._free_air) if air is not None for piece in self._pieces(number, air)
+        ]
+        joints = [piece["joints"] for piece in pieces]
+        return ForceZeros(
+            np.array([piece["load"] for piece in pieces]).reshape(-1, 6),
+            np.array([piece["trajectory"] for piece in pieces], dtype=np.int64),
+            np.unique([f"{piece['zeroed']}" for piece in pieces], return_inverse=True)[1].astype(np.int64),
+            np.array([piece["down"] for piece in pieces]).reshape(-1, 3),
+            np.array([piece["seconds"] for piece in pieces], dtype=np.float64),
+            np.array(joints) if joints and all(angles is not None for angles in joints) else None,
+        )
+
+    def logged(self) -> list[Array]:
+        """Return the readings (m, 6), N and N m, of each trajectory that has forces, as they were logged."""
+        return [wrench.values for wrench in self._wrenches if wrench is not None]
+
+    def moves(self) -> list[FreeAirMoves]:
+        """Return the free air of all trajectories, with the acceleration of a tool that swings on the arm."""
+        return [move for number, air in enumerate(self._free_air) if air is not None for move in _moves_in(number, air)]
+
+    @cached_property
+    def _wrenches(self) -> list[StoredSignal | None]:
+        """Readings of each trajectory, ``None`` where it has none."""
+        return [self._signal("wrench", row["spans"]) for row in self._rows]
+
+    @cached_property
+    def _free_air(self) -> list[_FreeAir | None]:
+        """Free air of each trajectory, ``None`` where forces or poses lack."""
+        return [self._free_air_of(row, wrench) for row, wrench in zip(self._rows, self._wrenches, strict=True)]
+
+    def _pieces(self, number: int, air: _FreeAir) -> list[dict[str, Any]]:
+        """Return the pieces of one trajectory; keys as the fields of `ForceZeros`."""
+        row = self._rows[number]
+        joints = self._signal("joints", row["spans"])
         switched_on = self._descriptions[row["source"]].switched_on(row["sensor"], air.starts_ns)
         since = self._start(row["source"]) if switched_on is None else switched_on
         # one mean reading for each piece, with pose and joints at its middle
@@ -151,32 +161,11 @@ class _Reader:
             })  # fmt: skip
         return [piece for piece in listed if np.isfinite(piece["load"]).all() and np.isfinite(piece["down"]).all()]
 
-    def moves(self, number: int, row: Mapping[str, Any]) -> list[FreeAirMoves]:
-        """Return the stretches of free air of one trajectory with the tool's acceleration, force sensor's frame."""
-        air = self._free_air(row)
-        if air is None:
-            return []
-        start, places = air.tcp.t_ns[0], air.tcp.values[:, :3]
-        moments = (air.tcp.t_ns - start) * 1e-9
-        unit = felt_accelerations(moments, moments, np.random.default_rng(0).normal(size=places.shape))
-        blur = position_jitter(places) ** 2 * (unit**2).mean(axis=(0, 2))
-        listed = []
-        for _, readings, t_ns in air.stretches:
-            # what the arm did before the poses begin rings on for a while
-            known = np.isfinite(readings).all(axis=1) & (t_ns > start + RINGS_ON * 1e9)
-            seconds = (t_ns[known] - start) * 1e-9
-            felt = felt_accelerations(seconds, moments, places)
-            turns = pose_matrices(air.tcp.values[_nearest_rows(air.tcp, t_ns[known])])[:, :3, :3]
-            in_sensor = np.einsum("ij,nkj,nfk->nfi", air.ft_from_tcp, turns, felt)
-            listed.append(FreeAirMoves(number, seconds, readings[known, :3], in_sensor, blur))
-        return listed
-
-    def _free_air(self, row: Mapping[str, Any]) -> _FreeAir | None:
+    def _free_air_of(self, row: Mapping[str, Any], wrench: StoredSignal | None) -> _FreeAir | None:
         """Return the free air of one trajectory, from its row of the table; ``None`` where forces or poses lack."""
-        spans = row["spans"]
         description = self._descriptions[row["source"]]
         tcp_from_ft = description.transform("tcp_from_ft")
-        wrench, tcp = self.signal("wrench", spans), self.signal("tcp", spans)
+        tcp = self._signal("tcp", row["spans"])
         if wrench is None or tcp is None or tcp_from_ft is None:
             return None
         # readings as loads on the sensor, without the weight that log.yaml states
@@ -192,7 +181,7 @@ class _Reader:
         stretches = free_air_between(load, wrench.t_ns, tare_ns, zeros_at(description, tcp, tare_ns))
         return _FreeAir(stretches, int(wrench.t_ns[0]), tcp, tcp_from_ft.inverse().rotation)
 
-    def signal(self, stream: str, spans: Mapping[str, Any]) -> StoredSignal | None:
+    def _signal(self, stream: str, spans: Mapping[str, Any]) -> StoredSignal | None:
         """Return the finite rows of a stream, such as ``"wrench"``, in one trajectory; ``None`` where there are none.
 
         ``spans`` holds the first and last row of each signal of the trajectory.
@@ -214,6 +203,24 @@ class _Reader:
         table = self._store.trajectories(["source", "start_ns"])
         starts = np.asarray(table["start_ns"])[np.asarray(table["source"]) == source]
         return int(starts.min())
+
+
+def _moves_in(number: int, air: _FreeAir) -> list[FreeAirMoves]:
+    """Return the stretches of free air of one trajectory with the tool's acceleration, force sensor's frame."""
+    start, places = air.tcp.t_ns[0], air.tcp.values[:, :3]
+    moments = (air.tcp.t_ns - start) * 1e-9
+    unit = felt_accelerations(moments, moments, np.random.default_rng(0).normal(size=places.shape))
+    blur = position_jitter(places) ** 2 * (unit**2).mean(axis=(0, 2))
+    listed = []
+    for _, readings, t_ns in air.stretches:
+        # what the arm did before the poses begin rings on for a while
+        known = np.isfinite(readings).all(axis=1) & (t_ns > start + RINGS_ON * 1e9)
+        seconds = (t_ns[known] - start) * 1e-9
+        felt = felt_accelerations(seconds, moments, places)
+        turns = pose_matrices(air.tcp.values[_nearest_rows(air.tcp, t_ns[known])])[:, :3, :3]
+        in_sensor = np.einsum("ij,nkj,nfk->nfi", air.ft_from_tcp, turns, felt)
+        listed.append(FreeAirMoves(number, seconds, readings[known, :3], in_sensor, blur))
+    return listed
 
 
 def pieces_of(count: int) -> list[Indices]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Container, Iterable
 
 from tactiledata.contract.records import Finding
-from tactiledata.contract.wording import counted
+from tactiledata.contract.wording import agreeing, counted, listed
 from tactiledata.formats.mcap.roles import IMAGE_KINDS, KINDS_OF_SIGNAL, TF_KIND, Roles, Topic
 
 STREAMS = {
@@ -42,10 +42,10 @@ def passed_over(
         names = sorted(topic.name for topic in left if topic.kind in kinds)
         if stream in read or stream in stated or not names:
             continue
-        listed = _listed(names)
+        first = listed(names, MOST_NAMES)
         why = "its name says" if len(names) == 1 else "their names say"
         text = (
-            f"nothing is read as {stream}, and {listed} could be it: {why} too little. Name the topic in a mapping: "
+            f"nothing is read as {stream}, and {first} could be it: {why} too little. Name the topic in a mapping: "
             "`tactiledata inspect PATH --suggest-mapping` writes one to start from"
         )
         found.append(Finding("topic-left", "warning", text, count=len(names)))
@@ -55,14 +55,9 @@ def passed_over(
 def _not_read(left: list[Topic], n_topics: int) -> Finding:
     """Say which topics stay behind, and how to read them."""
     names = sorted({topic.name for topic in left})
-    are = "is" if len(names) == 1 else "are"
+    are = agreeing(len(names), "is", "are")
     text = (
-        f"{len(names)} of {counted(n_topics, 'topic')} {are} not read: {_listed(names)}. "
+        f"{len(names)} of {counted(n_topics, 'topic')} {are} not read: {listed(names, MOST_NAMES)}. "
         "`tactiledata inspect PATH --suggest-mapping` writes a mapping with the lines that read each"
     )
     return Finding("topics-not-read", "info", text, count=len(names))
-
-
-def _listed(names: list[str]) -> str:
-    """The first names in words, with a mark where there are more."""
-    return ", ".join(names[:MOST_NAMES]) + (" …" if len(names) > MOST_NAMES else "")

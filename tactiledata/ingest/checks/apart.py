@@ -6,6 +6,7 @@ import numpy as np
 
 from tactiledata.contract.records import Finding
 from tactiledata.contract.take import Take
+from tactiledata.contract.wording import listed
 from tactiledata.ingest.clocks.witnesses import usual_distance
 
 LEAST_LACK = 500_000_000
@@ -63,7 +64,7 @@ def _incomplete(take: Take) -> list[Finding]:
         rows = np.flatnonzero(lack > max(LEAST_LACK, 10 * usual_distance(signal.t_ns)))
         if not len(rows):
             continue
-        named = ", ".join(names[row] for row in rows[:MOST_NAMED]) + (" …" if len(rows) > MOST_NAMED else "")
+        named = listed([names[row] for row in rows], MOST_NAMED)
         text = (
             f"{name} begins or ends inside or beside {len(rows)} of {len(names)} trajectories ({named}), up to "
             f"{lack.max() / 1e9:.2f} s of them: no image there has a value of it. Did its recorder stop, or start late?"

@@ -14,7 +14,7 @@ from tactiledata.contract.description import LogDescription
 from tactiledata.contract.image_sizes import Size
 from tactiledata.contract.records import Finding
 from tactiledata.contract.take import UNUSABLE, Take
-from tactiledata.contract.wording import agreeing, counted
+from tactiledata.contract.wording import agreeing, counted, listed
 from tactiledata.ingest.checks.apart import apart_findings
 from tactiledata.ingest.checks.background_seen import channel_findings, touched_findings
 from tactiledata.ingest.checks.image_sizes import size_counts
@@ -189,7 +189,7 @@ def _empty_trajectories(take: Take) -> list[Finding]:
     empty = np.flatnonzero(start == stop)
     if not len(empty) or take.frames.num_rows == 0:
         return []
-    names = [take.trajectories["trajectory"][int(row)].as_py() for row in empty[:5]]
+    names = [take.trajectories["trajectory"][int(row)].as_py() for row in empty]
     hold = f"{counted(len(empty), 'trajectory')} {agreeing(len(empty), 'holds', 'hold')}"
-    text = f"{hold} no image ({', '.join(names)}{' …' if len(empty) > 5 else ''})"
+    text = f"{hold} no image ({listed(names, 5)})"
     return [Finding("trajectory-without-frames", "info", text, count=len(empty))]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactiledata.contract.records import Finding, Times, Values
-from tactiledata.contract.wording import counted
+from tactiledata.contract.wording import counted, listed
 from tactiledata.ingest.forces.tare_events import (
     PAUSE,
     Tare,
@@ -295,7 +295,7 @@ def _tare_findings(
     if not inside:
         return []
     text = (
-        f"wrench: a tare event falls inside {counted(len(inside), 'trajectory')} ({', '.join(inside[:5])}"
-        f"{' …' if len(inside) > 5 else ''}); the reading jumps there, and the zero of its contact force with it"
+        f"wrench: a tare event falls inside {counted(len(inside), 'trajectory')} ({listed(inside, 5)}); "
+        "the reading jumps there, and the zero of its contact force with it"
     )
     return [Finding("tare-in-trajectory", "info", text, "wrench", count=len(inside))]

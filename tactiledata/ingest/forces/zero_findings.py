@@ -5,14 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from tactiledata.contract.records import Finding
-from tactiledata.contract.wording import agreeing, counted
+from tactiledata.contract.wording import agreeing, counted, listed
 
 DRIFT_WORTH_SAYING = 0.2
 """N. Range of the zeros of one recording's trajectories, from which on it is reported."""
 
 
 def _names(off: list[tuple[str, float]]) -> str:
-    return ", ".join(name for name, _ in off[:5]) + (" …" if len(off) > 5 else "")
+    """The names of the first trajectories."""
+    return listed([name for name, _ in off], 5)
 
 
 def pressed_findings(missed: list[tuple[str, float]]) -> list[Finding]:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactiledata.contract.records import Finding, Times, Values
-from tactiledata.contract.wording import agreeing, counted
+from tactiledata.contract.wording import agreeing, counted, listed
 from tactiledata.ingest.clocks.witnesses import usual_distance
 from tactiledata.ingest.forces.tare_events import Tare, without_steps
 
@@ -191,7 +191,7 @@ def moved_findings(moved: Sequence[Ends]) -> list[Finding]:
     """A finding that names the trajectories inside which the zero moves."""
     if not moved:
         return []
-    names = ", ".join(own.name for own in moved[:5]) + (" …" if len(moved) > 5 else "")
+    names = listed([own.name for own in moved], 5)
     at_ends = agreeing(len(moved), "it ends, and the next one begins", "they end, and the next ones begin")
     text = (
         f"wrench: the zero moves by up to {max(own.moved for own in moved):.2f} N inside "

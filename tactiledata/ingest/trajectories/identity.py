@@ -11,7 +11,7 @@ import numpy as np
 
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Finding, Recording, Trajectory
-from tactiledata.contract.wording import agreeing, counted
+from tactiledata.contract.wording import agreeing, counted, listed
 from tactiledata.ingest.trajectories.frames import CapturedFrames
 
 Say = Callable[..., None]
@@ -77,7 +77,7 @@ def name_sensors(
         text = (
             f"{counted(len(parted), 'trajectory')} {agreeing(len(parted), 'names', 'name')} no sensor and "
             f"{agreeing(len(parted), 'holds', 'hold')} images of several "
-            f"({', '.join(parted[:3])}{' …' if len(parted) > 3 else ''}): each is kept once a sensor, as "
+            f"({listed(parted, 3)}): each is kept once a sensor, as "
             f"{part_name(parted[0], '<serial>')!r}. Name the sensor of each trajectory if only one was touched"
         )
         say(Finding("trajectory-of-several-sensors", "warning", text, count=len(parted)))

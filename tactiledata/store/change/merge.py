@@ -13,7 +13,7 @@ import pyarrow as pa
 from tactiledata.contract.progress import Progress
 from tactiledata.contract.records import Encoding, Finding, Image
 from tactiledata.contract.take import FRAME_SCHEMA, FrameFlag
-from tactiledata.contract.wording import agreeing, counted
+from tactiledata.contract.wording import agreeing, counted, listed
 from tactiledata.errors import StoreError, UsageError
 from tactiledata.store.change.keep_sensors import keep_sensors
 from tactiledata.store.change.pieces import Origin, Piece, parents, pieces_of, rows_of, take_of
@@ -117,9 +117,9 @@ def _plan(origins: Sequence[Origin], target: Store, findings: list[Finding]) -> 
         message = f"{are} in more than one of the stores (or in the target already), and kept once"
         findings.append(Finding("merge-twice", "info", message, count=twice))
     if otherwise:
-        shown = ", ".join(otherwise[:3]) + (" …" if len(otherwise) > 3 else "")
+        shown = listed(otherwise, 3)
         message = (
-            f"{counted(len(otherwise), 'recording')} {'was' if len(otherwise) == 1 else 'were'} ingested with another "
+            f"{counted(len(otherwise), 'recording')} {agreeing(len(otherwise), 'was', 'were')} ingested with another "
             f"mapping or other options than in the store that came first, which stays as it is ({shown} left out): "
             "forces, sensors and trajectories may differ. Name the store first whose recordings are to stay"
         )

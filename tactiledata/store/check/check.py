@@ -12,7 +12,7 @@ from tactiledata.contract.lfs_pointer import without_remedy
 from tactiledata.contract.progress import Progress
 from tactiledata.contract.records import Finding
 from tactiledata.contract.take import FrameFlag
-from tactiledata.contract.wording import counted
+from tactiledata.contract.wording import counted, listed
 from tactiledata.errors import SchemaError, TactileDataError
 from tactiledata.store.check.documents import document_findings
 from tactiledata.store.check.indices import INDEX_NEEDS, index_findings
@@ -220,7 +220,7 @@ def _leftover_findings(store: Store) -> Iterator[Finding]:
     leftovers = [*foreign_arrays(place, store.manifest), *foreign_parts(place, store.manifest), *temporary_files(place)]
     leftovers += stale_staging(place, store.manifest)
     if leftovers or is_interrupted(place):
-        shown = ", ".join(str(one.relative_to(place)) for one in leftovers[:5]) + (" …" if len(leftovers) > 5 else "")
+        shown = listed([str(one.relative_to(place)) for one in leftovers], 5)
         message = (
             f"a writer was interrupted and left {shown or 'unfinished appends'}; harmless, the next write removes it"
         )

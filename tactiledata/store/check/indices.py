@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from tactiledata.arrays import Mask
 from tactiledata.contract.records import Finding
+from tactiledata.contract.wording import listed
 from tactiledata.store.layout.manifest import settings_of
 from tactiledata.store.read.reader import Store
 
@@ -49,7 +50,7 @@ def index_findings(store: Store, broken: Collection[str] = ()) -> list[Finding]:
 
 def _finding(what: str, mask: Mask) -> Finding:
     rows = np.flatnonzero(mask)
-    shown = ", ".join(str(row) for row in rows[:5]) + (" …" if len(rows) > 5 else "")
+    shown = listed([str(row) for row in rows], 5)
     return Finding("store-index", "damage", f"{what}: rows {shown}", count=len(rows))
 
 

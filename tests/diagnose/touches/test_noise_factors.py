@@ -37,7 +37,7 @@ def squares(touches):
 
 
 def test_half_the_deviation_is_four_times_the_square(touches):
-    """In free air, a frame with half the deviation has four times the squared residual; other frames keep theirs."""
+    """A frame in free air with half the noise has four times the squared residual; other frames keep theirs."""
     plain, halved = squares(with_factor(touches, 1.0)), squares(with_factor(touches, 0.5))
     ratios = halved / plain
     is_halved = np.isclose(ratios, 4.0, rtol=1e-6)

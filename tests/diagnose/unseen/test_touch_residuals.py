@@ -12,7 +12,7 @@ EFFECTS = ("quantisation", "clipping", "lag")
 
 
 def test_every_size_of_an_effect_is_compared():
-    """Of an effect that acts from a threshold on, each size at which it is taken has a field; others have one."""
+    """An effect that acts from a threshold on has a field of changes for each size that is tried; others have one."""
     white = WhitenedTouches.of(null(3000, trajectories=4))
     errors = white.simulation_error_fields(START)
     fit = joint_fit(white, errors, joint_model(START, [], 4, errors.shape[2]))

@@ -8,7 +8,7 @@ from recorded_touches import recorded_store
 
 from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.diagnose.zeros.dead_band import find_dead_band
-from tactiledata.diagnose.zeros.readings import read_logged
+from tactiledata.diagnose.zeros.readings import StoreReadings
 from tactiledata.replay.opened import OpenedStore
 from tactiledata.store.read.reader import Store
 
@@ -113,7 +113,7 @@ def test_readings_that_say_nothing_are_no_band(readings):
 def test_readings_of_a_store_are_those_of_its_log(tmp_path):
     """Each trajectory with forces gives its readings, without zero and weight taken off."""
     opened = OpenedStore.planned(Store.open(recorded_store(tmp_path)), CalibrationOptions().pads)
-    logged = read_logged(opened)
+    logged = StoreReadings(opened).logged()
     assert len(logged) == len(opened.trajectories)
     for readings, row in zip(logged, opened.trajectories, strict=True):
         name = next(name for name in row["spans"] if name.partition("@")[0] == "wrench")

@@ -6,7 +6,7 @@ from recorded_touches import recorded_store
 
 from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.diagnose.zeros.causes import GRAVITY, no_zeros, zero_causes
-from tactiledata.diagnose.zeros.readings import ForceZeros, free_air_between, read_zeros
+from tactiledata.diagnose.zeros.readings import ForceZeros, StoreReadings, free_air_between
 from tactiledata.replay.opened import OpenedStore
 from tactiledata.store.read.reader import Store
 
@@ -110,7 +110,9 @@ def test_recorded_tools_are_weighed(tmp_path):
     """The rig's own tool, heavier by 60 g than its log says, and one as stated."""
     turned = {"count": 16, "depth": [0.0004, 0.0006], "tilt": [0.0, 0.2]}
     hidden = [{"effect": "tool_weight", "strength": "strong"}]
-    (cause,) = zero_causes(read_zeros(opened(recorded_store(tmp_path / "a", generate=turned, hidden=hidden))))
+    (cause,) = zero_causes(
+        StoreReadings(opened(recorded_store(tmp_path / "a", generate=turned, hidden=hidden))).zeros()
+    )
     assert cause.effect == "tool_weight"
     assert cause.values["mass"] == pytest.approx(0.06, rel=0.25)
-    assert not zero_causes(read_zeros(opened(recorded_store(tmp_path / "b", generate=turned))))
+    assert not zero_causes(StoreReadings(opened(recorded_store(tmp_path / "b", generate=turned))).zeros())

@@ -116,7 +116,7 @@ def test_bytes_that_end_too_early_are_said_not_to_fit(tmp_path, encoding, cut):
 
 
 def test_a_recording_without_one_readable_message_says_so_in_words(tmp_path):
-    """Where nothing at all can be read, the error carries the same words."""
+    """The error of a recording without any readable message says why one cannot be decoded, as the finding does."""
     mapping = {
         "format": "tactiledata-mapping/1",
         "clock": "log",

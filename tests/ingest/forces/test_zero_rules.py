@@ -4,9 +4,9 @@ import itertools
 
 import numpy as np
 import pytest
+from load_levels import MS, START, made
 
 from tactiledata.ingest.forces.tare import (
-    _was_pressed,
     component_noise,
     find_zero,
     half_sample_mode,
@@ -14,17 +14,6 @@ from tactiledata.ingest.forces.tare import (
     touching,
 )
 from tactiledata.ingest.forces.tare_events import locate_tares
-
-START = 1_700_000_000_000_000_000
-MS = 1_000_000
-
-
-def made(levels, step=10 * MS):
-    """Times and loads whose fz is at a level for so many samples each."""
-    fz = np.concatenate([np.full(count, float(level)) for level, count in levels])
-    load = np.zeros((len(fz), 6))
-    load[:, 2] = fz
-    return START + np.arange(len(fz)) * step, load
 
 
 def zeroed(levels, spans=(), tares=(), step=10 * MS, change=None):
@@ -259,7 +248,7 @@ def test_the_nearest_known_zero_is_taken():
 
 
 def test_touches_without_a_whole_reading_are_said_to_be_unseen():
-    """Where all readings of a touch are NaN nothing is said of newtons; beside another, only of that one."""
+    """A touch whose readings are all NaN is said to be unseen, without newtons; newtons are those of other touches."""
 
     def lost(load):
         load[350:450] = np.nan
@@ -336,52 +325,6 @@ def test_a_drift_is_no_press():
         ramp = [(1 + k * 0.05, 1) for k in range(1, 121)]
         bias, _ = zeroed([(1, 100), *ramp, (7, 50), (0, 50), (-6, 100)], tares=[270], step=step)
         assert runs(bias)[-1][0] == last
-
-
-def pressed(levels, step=10 * MS, gaps=None, zero=0.0):
-    """Whether something presses at the end of a stretch; gaps (ns) before rows make a pause."""
-    t_ns, load = made(levels, step)
-    for row, gap in (gaps or {}).items():
-        t_ns[row:] += gap - step
-    return _was_pressed(t_ns, load, np.array([0, 0, zero, 9, 9, 9.0]), 0.0)
-
-
-def test_what_rose_from_free_air_presses():
-    """A force that rose from free air presses until the end; what was always there, or let go again, does not."""
-    assert pressed([(0, 10), (3, 5)])
-    assert pressed([(0, 10), (3, 1)])
-    assert pressed([(1, 10), (-2, 5)], zero=1.0)
-    assert pressed([(0, 5), (3, 5), (0, 5), (3, 5)])
-    assert not pressed([(0, 10), (3, 5), (0, 1)])
-    assert not pressed([(3, 10)])
-    assert not pressed([(0, 10), (0.5, 5)])
-    assert not pressed([(0, 0)])
-    assert not pressed([(0, 10), (3, 5), (np.nan, 1)])
-    assert not pressed([(np.nan, 10), (3, 5)])
-
-
-def test_free_air_is_below_half_of_the_threshold():
-    """A press that begins at 0.25 N was never seen free."""
-    assert not pressed([(0.25, 10), (3, 5)])
-    assert pressed([(0.24, 10), (3, 5)])
-    assert pressed([(0.24, 1), (0.4, 10), (3, 5)])
-
-
-def test_a_press_rises_within_five_seconds():
-    """A press rises from the last free air to the threshold within 5 s; how long the free air was does not matter."""
-    assert pressed([(0, 100), (0.3, 24), (3, 5)], 200 * MS, {124: 200 * MS - 1})
-    assert not pressed([(0, 100), (0.3, 24), (3, 5)], 200 * MS)
-    assert pressed([(0, 100), (3, 5), (0.3, 1), (0, 1), (3, 9)], 200 * MS)
-
-
-def test_over_a_pause_nothing_was_seen_to_rise():
-    """Longer than a quarter of a second between free air and the threshold; elsewhere a pause does not matter."""
-    levels = [(0, 10), (0.3, 2), (3, 5)]
-    for row in (10, 11, 12):
-        assert pressed(levels, gaps={row: 250 * MS}), row
-        assert not pressed(levels, gaps={row: 250 * MS + 1}), row
-    for row in (1, 5, 9, 13, 16):
-        assert pressed(levels, gaps={row: 4000 * MS}), row
 
 
 def test_before_the_first_tare_a_long_press_is_no_zero():
