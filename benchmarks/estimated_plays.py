@@ -25,7 +25,8 @@ from wedge_plan import WedgePlan
 
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.diagnose.touches.grid_answer import TouchPlays
-from tactiledata.diagnose.touches.play_grid import design_variants, has_own_law, play_touches, variants_of
+from tactiledata.diagnose.touches.play_grid import play_touches
+from tactiledata.diagnose.touches.variant_plays import design_variants, has_own_law, variants_of
 from tactiledata.effects import EFFECTS
 from tactiledata.gel.engines.fem import Fidelity
 from tactiledata.gel.mesh.pad import PadMesh

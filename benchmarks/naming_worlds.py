@@ -40,9 +40,10 @@ from tactiledata.diagnose.naming.name_effects import NamingResult, name_effects
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
 from tactiledata.diagnose.touches.grid_answer import TouchPlays
-from tactiledata.diagnose.touches.play_grid import design_variants, play_touches, variants_of
+from tactiledata.diagnose.touches.play_grid import play_touches
 from tactiledata.diagnose.touches.played_response import PlayedFamily
 from tactiledata.diagnose.touches.touch_case import TouchSet
+from tactiledata.diagnose.touches.variant_plays import design_variants, variants_of
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.diagnose.zeros.causes import zero_causes
 from tactiledata.effects import EFFECTS

@@ -33,6 +33,15 @@ def is_played(plan: ResponsePlan, node: Node) -> bool:
     return len(_departures(plan, node)) < 2
 
 
+def is_learned(plan: ResponsePlan, node: Node) -> bool:
+    """Return whether a few touches are enough to tell a node's change: where nu or the offset alone differs.
+
+    Changes by friction depend on how each touch slides, and are too different for that.
+    """
+    departures = _departures(plan, node)
+    return len(departures) == 1 and departures[0] != "friction"
+
+
 def estimated_node(
     plan: ResponsePlan, node: Node, played: Mapping[Node, Sequence[Play]], linear: Mapping[Node, Sequence[Play]]
 ) -> list[Play]:
@@ -52,15 +61,15 @@ def estimated_node(
     linear : dict, Node -> plays of t touches
         By the linear engine, at these nodes and at the node.
     """
-    middle = _middle(plan)
+    middle = middle_node(plan)
     first, second = (replace(middle, **{name: getattr(node, name)}) for name in _departures(plan, node))
     estimates = []
     for touch in range(len(played[middle])):
         full = [played[one][touch] for one in (first, second, middle)]
         slow = [linear[one][touch] for one in (node, first, second, middle)]
-        change = _rows(slow[0]) - _rows(slow[1]) - _rows(slow[2]) + _rows(slow[3])
-        more = _ratio(full[2], slow[3]) * np.where(np.isfinite(change), change, 0.0)
-        estimates.append(_play(full, _rows(full[0]) + _rows(full[1]) - _rows(full[2]) + more))
+        change = rows_of(slow[0]) - rows_of(slow[1]) - rows_of(slow[2]) + rows_of(slow[3])
+        more = ratio_of(full[2], slow[3]) * np.where(np.isfinite(change), change, 0.0)
+        estimates.append(play_of_rows(full, rows_of(full[0]) + rows_of(full[1]) - rows_of(full[2]) + more))
     return estimates
 
 
@@ -76,11 +85,11 @@ def estimated_change(middle: Play, linear_middle: Play, linear: Play) -> Play:
     linear : Play
         What differs, by the linear engine.
     """
-    change = _rows(linear) - _rows(linear_middle)
-    return _play([middle, linear], _rows(middle) + _ratio(middle, linear_middle) * change)
+    change = rows_of(linear) - rows_of(linear_middle)
+    return play_of_rows([middle, linear], rows_of(middle) + ratio_of(middle, linear_middle) * change)
 
 
-def _middle(plan: ResponsePlan) -> Node:
+def middle_node(plan: ResponsePlan) -> Node:
     """The node of the middle nu and mu, without offset."""
     nu, mu = plan.middle
     return Node(plan.ratios[nu], plan.frictions[mu], 0.0)
@@ -88,18 +97,18 @@ def _middle(plan: ResponsePlan) -> Node:
 
 def _departures(plan: ResponsePlan, node: Node) -> list[str]:
     """Names of the numbers of a node that are not in the middle of the plan."""
-    middle = _middle(plan)
+    middle = middle_node(plan)
     return [name for name in ("poisson_ratio", "friction", "offset") if getattr(node, name) != getattr(middle, name)]
 
 
-def _rows(play: Play) -> Array:
+def rows_of(play: Play) -> Array:
     """Wrench over Young's modulus and contact area (n, 7) of a play; not a number where it is unknown."""
     rows = np.column_stack([play.wrench, play.area])
     rows[~np.isin(play.status, KNOWN)] = np.nan
     return rows
 
 
-def _ratio(play: Play, linear: Play) -> Array:
+def ratio_of(play: Play, linear: Play) -> Array:
     """Ratio (n, 1) of the sizes of the forces of two plays, within bounds; 1 where either has none."""
     size, of_linear = (np.linalg.norm(np.nan_to_num(one.wrench[:, :3]), axis=1) for one in (play, linear))
     is_known = (size > 0) & (of_linear > 0)
@@ -107,7 +116,7 @@ def _ratio(play: Play, linear: Play) -> Array:
     return np.clip(ratio, SMALLEST_RATIO, LARGEST_RATIO)[:, None]
 
 
-def _play(sources: Sequence[Play], rows: Array) -> Play:
+def play_of_rows(sources: Sequence[Play], rows: Array) -> Play:
     """A play of estimated rows (n, 7) whose missing frames are those of its sources; without load there is no contact.
 
     Parameters

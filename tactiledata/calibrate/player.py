@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tactiledata.arrays import Array
-from tactiledata.calibrate.estimated_plays import estimated_node, is_played
+from tactiledata.calibrate.estimated_plays import estimated_node, is_learned, is_played, middle_node
 from tactiledata.calibrate.kept_plays import Play, keep_play, load_play, play_path
+from tactiledata.calibrate.learned_plays import example_touches, learned_nodes
 from tactiledata.calibrate.plan import Node, ResponsePlan
 from tactiledata.calibrate.play_progress import PlayProgress
 from tactiledata.calibrate.touches import MeasuredTouch
@@ -114,7 +115,7 @@ class PlanPlays:
     plan : ResponsePlan
         Nodes over nu, mu and offset.
     played : dict, Node -> plays of t touches
-        By the engine that was asked for.
+        By the engine that was asked for; at some nodes a few touches were played and the others learned from them.
     linear : dict, Node -> plays of t touches
         By the linear engine at every node; empty where every node was played.
     """
@@ -145,7 +146,8 @@ def play_plan(
     """Simulate all touches at the nodes of a plan.
 
     At finite strain, only the nodes are played at which no more than one of nu, mu and offset differs from the middle,
-    and all nodes by the linear engine, from which the others are estimated.
+    and all nodes by the linear engine, from which the others are estimated. Where nu or the offset differs, a few
+    touches are played; the others are learned from them (`learned_plays`), or played where that would be too far off.
 
     Parameters
     ----------
@@ -172,14 +174,35 @@ def play_plan(
     nodes = list(plan.nodes())
     if mechanics != "finite-strain" or not estimate:
         return PlanPlays(plan, play_nodes(mesh, mechanics, touches, nodes, runner, report_progress), {})
-    full = [node for node in nodes if is_played(plan, node)]
-    before, total = len(full) * len(touches), (len(full) + len(nodes)) * len(touches)
-    played = play_nodes(
-        mesh, mechanics, touches, full, runner, lambda done, _, what="": report_progress(done, total, what)
-    )
-    linear = play_nodes(
-        mesh, "linear", touches, nodes, runner, lambda done, _, what="": report_progress(before + done, total, what)
-    )
+    examples = example_touches([touch.touch for touch in touches])
+    chosen = [touches[place] for place in examples]
+    learned = [node for node in nodes if is_learned(plan, node) and len(chosen) < len(touches)]
+    full = [node for node in nodes if is_played(plan, node) and node not in learned]
+    before, total = 0, (len(full) + len(nodes)) * len(touches) + len(learned) * len(chosen)
+
+    def play(of: Mechanics, which: Sequence[Node], some: Sequence[MeasuredTouch]) -> dict[Node, list[Play]]:
+        nonlocal before
+        plays = play_nodes(
+            mesh, of, some, which, runner, lambda done, _, what="": report_progress(before + done, total, what)
+        )
+        before += len(which) * len(some)
+        return plays
+
+    played = play(mechanics, full, touches)
+    of_examples = play(mechanics, learned, chosen)
+    linear = play("linear", nodes, touches)
+    # the other touches, where they can be told from the examples
+    middle = middle_node(plan)
+    far = []
+    for node in learned:
+        known = dict(zip(examples, of_examples[node], strict=True))
+        answer = learned_nodes(known, played[middle], linear[middle], linear[node])
+        if answer.are_close:
+            played[node] = answer.plays
+        else:
+            far.append(node)
+    total += len(far) * len(touches)
+    played |= play(mechanics, far, touches)
     return PlanPlays(plan, played, linear)
 
 

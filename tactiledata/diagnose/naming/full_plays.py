@@ -16,7 +16,7 @@ import numpy as np
 from tactiledata.diagnose.naming.name_effects import NamingResult
 from tactiledata.diagnose.naming.thresholds import DecisionThresholds
 from tactiledata.diagnose.touches.grid_answer import TouchPlays
-from tactiledata.diagnose.touches.play_grid import design_variants, has_own_law
+from tactiledata.diagnose.touches.variant_plays import design_variants
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.touch.response import GelVariant
 
@@ -103,7 +103,7 @@ def named_with_full_plays(
 
 def estimated(effect: str) -> tuple[GelVariant, ...]:
     """Return the variants of the gel that an effect needs and that a first diagnosis estimates."""
-    return tuple(variant for variant in design_variants(EFFECTS[effect]()) if not has_own_law(variant))
+    return design_variants(EFFECTS[effect]())
 
 
 def promising(naming: NamingResult, thresholds: DecisionThresholds) -> set[str]:

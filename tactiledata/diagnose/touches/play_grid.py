@@ -5,108 +5,33 @@ Every play is kept on disk and not made again.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 
 from tactiledata.arrays import Array, Mask
 from tactiledata.calibrate.bounds import Bounds
-from tactiledata.calibrate.estimated_plays import estimated_change
-from tactiledata.calibrate.kept_plays import Play, play_path
+from tactiledata.calibrate.estimated_plays import estimated_change, middle_node
+from tactiledata.calibrate.kept_plays import Play
+from tactiledata.calibrate.learned_plays import example_touches, learned_laws
 from tactiledata.calibrate.plan import Node, ResponsePlan
-from tactiledata.calibrate.play_progress import PlayProgress
-from tactiledata.calibrate.player import play_plan, played_or_kept
+from tactiledata.calibrate.player import play_plan
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.compute.base import Scheduler
-from tactiledata.compute.local import LocalScheduler
 from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.diagnose.touches.grid_answer import TouchPlays
 from tactiledata.diagnose.touches.missing_frames import complete, solved
-from tactiledata.effects import EFFECTS
-from tactiledata.effects.base import Effect
-from tactiledata.effects.touch.gel_variants import contact_height, variant_engine, warped
+from tactiledata.diagnose.touches.variant_plays import VariantBatch, has_own_law, is_solvable, play_variants
+from tactiledata.effects.touch.gel_variants import contact_height
 from tactiledata.effects.touch.response import GelVariant
 from tactiledata.gel.contact.history import GelTouch
-from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.gel.engines.fem import Fidelity
 from tactiledata.gel.mesh.pad import PadMesh
-from tactiledata.indenters.scaled import scaled
-
-
-@dataclass(frozen=True)
-class VariantBatch:
-    """Touches that are played with one variant of gel or indenter, at one nu and one mu.
-
-    Parameters
-    ----------
-    mesh : PadMesh
-        Nominal mesh of the gel.
-    fidelity : "finite-strain" or "linear"
-        Mechanics of the gel engine.
-    ratio, friction : float
-        Poisson's ratio nu and friction coefficient mu.
-    variant : GelVariant
-        How gel or indenter differ from the nominal ones.
-    touches : tuple of GelTouch
-        With the nominal indenters.
-    """
-
-    mesh: PadMesh
-    fidelity: Fidelity
-    ratio: float
-    friction: float
-    variant: GelVariant
-    touches: tuple[GelTouch, ...]
-
-
-def design_variants(effect: Effect) -> tuple[GelVariant, ...]:
-    """Return the variants that must have been played before an effect can be simulated; most effects need none."""
-    return tuple(effect.variant({name: place}) for name, places in effect.designs.items() for place in places)
-
-
-def variants_of(names: Iterable[str]) -> tuple[GelVariant, ...]:
-    """Return the variants that the effects of these names need, each once."""
-    return tuple(dict.fromkeys(variant for name in names for variant in design_variants(EFFECTS[name]())))
-
-
-def play_variant(batch: VariantBatch) -> list[Play]:
-    """Return the play of each touch of a batch, from disk where it was made before."""
-    return played_or_kept(
-        _touches(batch),
-        variant_paths(batch),
-        GelMaterial(1.0, batch.ratio, batch.friction),
-        lambda: variant_engine(batch.mesh, batch.ratio, batch.fidelity, batch.variant),
-    )
-
-
-def variant_paths(batch: VariantBatch) -> list[Path]:
-    """Return the file in which the play of each touch of a batch is kept."""
-    variant = batch.variant
-    digest = warped(batch.mesh, variant).digest
-    law = (variant.c20, variant.c30, variant.skin, variant.spots)
-    # shapes of pad and indenter are part of their digests; the law of the material is not
-    mechanics = batch.fidelity if law == (0.0, 0.0, 0.0, ()) else f"{batch.fidelity} {law!r}"
-    return [play_path(touch, digest, mechanics, batch.ratio, batch.friction) for touch in _touches(batch)]
-
-
-def _touches(batch: VariantBatch) -> tuple[GelTouch, ...]:
-    """Return touches of a batch with the indenters scaled as its variant says."""
-    scale = batch.variant.indenter_scale
-    if scale == 1.0:
-        return batch.touches
-    return tuple(GelTouch(scaled(touch.indenter, scale), touch.poses) for touch in batch.touches)
-
 
 SHIFT = 5e-5
 """Distance in metres by which whole paths are moved to either side along x and along y."""
-MOST_LOST = 0.1
-"""Largest share of the frames that a variant may fail to solve.
-
-If it fails in more, the variant is left out; otherwise, the frames are interpolated.
-"""
 
 
 def play_touches(
@@ -151,22 +76,26 @@ def play_touches(
     full : collection of GelVariant
         Variants that are played in any case.
     """
-    # batches: paths moved along the gel, then variants
+    # batches: paths moved along the gel, then variants; another law is played for some touches, where that is enough
     plan = ResponsePlan.of(bounds)
     nu_middle, mu_middle = plan.middle
     pair = plan.ratios[nu_middle], plan.frictions[mu_middle]
-    moved = [
-        tuple(_moved(touch.touch, axis, side * SHIFT) for touch in touches) for axis in range(2) for side in (-1.0, 1.0)
-    ]
-    plain = tuple(touch.touch for touch in touches)
     is_estimated = estimate and fidelity == "finite-strain"
     quick: Fidelity = "linear" if is_estimated else fidelity
-    exact = {variant for variant in variants if variant in full or has_own_law(variant)}
-    batches = [VariantBatch(mesh, quick, *pair, GelVariant(), group) for group in moved]
-    batches += [
-        VariantBatch(mesh, fidelity if variant in exact else quick, *pair, variant, plain) for variant in variants
-    ]
-    of_batches = len(batches) * len(touches)
+    every = range(len(touches))
+    plain = [touch.touch for touch in touches]
+    moved = [[_moved(touch, axis, side * SHIFT) for touch in plain] for axis in range(2) for side in (-1.0, 1.0)]
+    exact = {variant for variant in variants if not is_estimated or variant in full or has_own_law(variant)}
+    examples = example_touches(plain) if is_estimated else list(every)
+    played_for = {variant: every if variant in full or variant not in exact else examples for variant in variants}
+
+    def batch(variant: GelVariant, places: Sequence[int]) -> VariantBatch:
+        of_variant: Fidelity = fidelity if variant in exact else quick
+        return VariantBatch(mesh, of_variant, *pair, variant, tuple(plain[place] for place in places))
+
+    batches = [VariantBatch(mesh, quick, *pair, GelVariant(), tuple(group)) for group in moved]
+    batches += [batch(variant, places) for variant, places in played_for.items()]
+    of_batches = sum(len(batch.touches) for batch in batches)
     of_nodes = 0
 
     def nodes_played(done: int, total: int, what: str = "") -> None:
@@ -174,26 +103,40 @@ def play_touches(
         of_nodes = total
         progress(done, total + of_batches, what)
 
-    def batches_played(done: int, _: int, what: str = "") -> None:
-        progress(of_nodes + done, of_nodes + of_batches, what)
+    def batches_played(done: int, total: int, what: str = "") -> None:
+        progress(of_nodes + done, of_nodes + total, what)
 
     # plays, each kept on disk as soon as it is finished
     grid = play_plan(mesh, fidelity, touches, plan, runner, nodes_played, estimate)
-    others: list[list[Play]] = []
-    paths = [path for batch in batches for path in variant_paths(batch)]
-    with PlayProgress(paths, batches_played) as play_progress:
-        for outcome in (runner or LocalScheduler()).outcomes(play_variant, batches):
-            if outcome.error is not None:
-                raise outcome.error
-            others.append(outcome.result or [])
-            play_progress.finished(len(others) * len(touches), _words(len(others), len(moved)))
-    # what a play has not solved is taken from the others; then the plays that were not made are estimated
-    heights = [np.nan_to_num(touch.touch.poses[:, 2, 3]) for touch in touches]
-    at_middle = Node(*pair, 0.0)
+    played = play_variants(batches, runner, batches_played, _words)
+    of_moved, varied = played[: len(moved)], dict(zip(variants, played[len(moved) :], strict=True))
+    # laws of the other touches, where they can be told from the examples
+    heights = [np.nan_to_num(touch.poses[:, 2, 3]) for touch in plain]
+    at_middle = middle_node(plan)
     middle = grid.played[at_middle]
     of_quick = grid.linear[at_middle] if is_estimated else middle
-    every = [*grid.played.values(), *grid.linear.values(), *others]
-    solved_by_all = [np.all([solved(plays[k]) for plays in every], axis=0) for k in range(len(touches))]
+    solvable = [
+        variant
+        for variant, places in played_for.items()
+        if is_solvable(varied[variant], [(middle if variant in exact else of_quick)[place] for place in places])
+    ]
+    far = []
+    for variant in solvable:
+        places = played_for[variant]
+        if len(places) < len(every):
+            stiff = grid.linear[replace(at_middle, poisson_ratio=plan.ratios[-1])]
+            known = dict(zip(places, varied[variant], strict=True))
+            answer = learned_laws(known, middle, of_quick, stiff, [-height for height in heights])
+            varied[variant] = answer.plays
+            if not answer.are_close:
+                far.append(variant)
+    of_nodes += of_batches
+    if far:
+        again = play_variants([batch(variant, every) for variant in far], runner, batches_played, _words)
+        varied |= zip(far, again, strict=True)
+    # what a play has not solved is taken from the others; then the plays that were not made are estimated
+    whole = [*grid.played.values(), *grid.linear.values(), *of_moved, *(varied[variant] for variant in solvable)]
+    solved_by_all = [np.all([solved(plays[k]) for plays in whole], axis=0) for k in every]
     all_nodes = replace(
         grid,
         played={node: complete(plays, middle, heights) for node, plays in grid.played.items()},
@@ -203,23 +146,17 @@ def play_touches(
     def completed(plays: Sequence[Play], was_quick: bool) -> list[Play]:
         if not (is_estimated and was_quick):
             return complete(plays, middle, heights)
-        whole = complete(plays, of_quick, heights)
-        return [estimated_change(*three) for three in zip(middle, of_quick, whole, strict=True)]
+        known = complete(plays, of_quick, heights)
+        return [estimated_change(*three) for three in zip(middle, of_quick, known, strict=True)]
 
-    all_shifted = [completed(plays, True) for plays in others[: len(moved)]]
-    varied = dict(zip(variants, others[len(moved) :], strict=True))
-    kept = {
-        variant: plays
-        for variant, plays in varied.items()
-        if is_solvable(plays, middle if variant in exact else of_quick)
-    }
-    all_kept = {variant: completed(plays, variant not in exact) for variant, plays in kept.items()}
+    all_shifted = [completed(plays, True) for plays in of_moved]
+    all_varied = {variant: completed(varied[variant], variant not in exact) for variant in solvable}
     join = partial(_touch_plays, plan, mesh)
     return [
         join(
             {node: plays[k] for node, plays in all_nodes.items()},
             [plays[k] for plays in all_shifted],
-            {variant: plays[k] for variant, plays in all_kept.items()},
+            {variant: plays[k] for variant, plays in all_varied.items()},
             touch,
             solved(middle[k]) & ~solved_by_all[k],
         )
@@ -227,9 +164,9 @@ def play_touches(
     ]
 
 
-def _words(done: int, moved: int) -> str:
-    """Return what was played last, in words: the first ``moved`` batches are moved paths, the others variants."""
-    return "moved along the gel" if done <= moved else "gels and indenters that differ"
+def _words(batch: VariantBatch) -> str:
+    """Return what a batch plays, in words."""
+    return "moved along the gel" if batch.variant == GelVariant() else "gels and indenters that differ"
 
 
 def _moved(touch: GelTouch, axis: int, by: float) -> GelTouch:
@@ -237,26 +174,6 @@ def _moved(touch: GelTouch, axis: int, by: float) -> GelTouch:
     poses = touch.poses.copy()
     poses[:, axis, 3] += by
     return GelTouch(touch.indenter, poses)
-
-
-def has_own_law(variant: GelVariant) -> bool:
-    """Return whether a variant has another elastic law, which the linear engine does not know."""
-    return (variant.c20, variant.c30) != (0.0, 0.0)
-
-
-def is_solvable(varied: Sequence[Play], plain: Sequence[Play]) -> bool:
-    """Return whether a variant solves nearly all frames which the nominal gel solves; see ``MOST_LOST``.
-
-    Parameters
-    ----------
-    varied : sequence of Play
-        Plays of the variant, one for each touch.
-    plain : sequence of Play
-        Plays of the nominal gel by the same engine at the same nu and mu, in the same order.
-    """
-    known = np.concatenate([solved(play) for play in plain])
-    lost = known & ~np.concatenate([solved(play) for play in varied])
-    return bool(lost.sum() <= MOST_LOST * known.sum())
 
 
 def _touch_plays(

@@ -18,10 +18,11 @@ from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.compute import make_scheduler
 from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.diagnose.touches.grid_answer import TouchPlays
-from tactiledata.diagnose.touches.play_grid import design_variants, play_touches, variants_of
+from tactiledata.diagnose.touches.play_grid import play_touches
 from tactiledata.diagnose.touches.played_response import PlayedFamily
 from tactiledata.diagnose.touches.rest_means import FrameWrenches, means_at_rest, rest_spans
 from tactiledata.diagnose.touches.touch_case import FEWEST_CASES, FEWEST_FRAMES, TouchCase, TouchSet
+from tactiledata.diagnose.touches.variant_plays import design_variants, variants_of
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.touch.moved_until import moved_until
 from tactiledata.effects.touch.response import GelVariant

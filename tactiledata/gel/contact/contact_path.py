@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation, Slerp
 
-from tactiledata.arrays import Array, Indices
+from tactiledata.arrays import Array, Indices, Mask
 from tactiledata.gel.contact.friction import solve_contact
 from tactiledata.gel.contact.gap import APART, height_above, patch_gaps
 from tactiledata.gel.contact.relief import IndenterRelief
@@ -124,6 +124,17 @@ class ContactPath:
         is_touching = self.state.forces.any(axis=1)
         self._openings = np.where(is_touching, 0.0, np.clip(self.state.gaps, 1e-9, APART))
         return len(self._faces) > 0 or self.state.is_touching
+
+    def nodes_in_reach(self) -> Indices:
+        """Return the surface nodes (k,) on whose displacement the contact at the pose of ``move_to`` depends.
+
+        These are the nodes of all patches that a searched face belongs to, and of those that carry a force.
+        """
+        in_reach: Mask = self.state.forces.any(axis=1)
+        in_reach[self.surface.face_corners[self._faces].ravel()] = True
+        is_node = np.zeros(len(self.rest), dtype=bool)
+        is_node[self.surface.faces[self._faces].ravel()] = True
+        return np.flatnonzero(is_node | (self.surface.averaging.T @ in_reach > 0))
 
     def press(
         self, displacement: Array, forces: Array, sweeps: int, tolerance: float, ahead: Ahead | None = None

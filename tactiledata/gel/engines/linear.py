@@ -9,10 +9,11 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 from threadpoolctl import ThreadpoolController
 
-from tactiledata.arrays import Array
+from tactiledata.arrays import Array, Indices
 from tactiledata.gel.contact.history import GelHistory
 from tactiledata.gel.contact.trajectory_solve import TrajectorySolve
 from tactiledata.gel.elasticity.compliance import BATCH, FactorisedPad
@@ -49,8 +50,9 @@ class LinearSolver:
 
     def __init__(self, pad: FactorisedPad, surface: ContactSurface, response: NDArray[np.float32]) -> None:
         self._pad, self._surface = pad, surface
-        # one row for each patch and direction: a step reads those of the pressed patches only
-        self._by_patch = np.ascontiguousarray(response.transpose(2, 3, 0, 1)).reshape(*response.shape[2:], -1)
+        # by patch and node, so that a step reads what it needs in one piece: the pressed patches, the nodes in reach
+        self._by_patch = np.ascontiguousarray(response.transpose(2, 0, 3, 1))
+        self._all_nodes = np.arange(len(surface.nodes))
 
     def run(self, trajectories: Iterator[TrajectorySolve]) -> Iterator[tuple[int, GelHistory]]:
         """Solve trajectories, one on each thread, and yield the number and the answer of each, in order."""
@@ -79,7 +81,8 @@ class LinearSolver:
     def _solve_step(self, trajectory: TrajectorySolve) -> int | None:
         """Solve the present load step, or report that it failed; return the frame that it completes, or ``None``."""
         path = trajectory.path
-        forces, displacement = path.state.forces, path.state.displacement
+        forces, displacement = path.state.forces, path.state.displacement.copy()
+        in_reach = path.nodes_in_reach()
         for iteration in range(MOST_ITERATIONS):
             pressed, gaps = path.press(displacement, forces, SWEEPS, FORCE_TOLERANCE / 10)
             trajectory.count(1)
@@ -87,19 +90,13 @@ class LinearSolver:
             # contact at edges can alternate between two solutions; their mean is nearer
             share = 1.0 if iteration < UNDAMPED else 0.5
             forces = forces + share * (pressed - forces)
-            displacement = self._surface_displacement(forces)
-            if change <= FORCE_TOLERANCE * (1.0 if iteration < PATIENCE else LENIENCE):
+            is_last = change <= FORCE_TOLERANCE * (1.0 if iteration < PATIENCE else LENIENCE)
+            move_nodes(self._by_patch, forces, self._all_nodes if is_last else in_reach, displacement)
+            if is_last:
                 path.accept_step(displacement, forces, gaps)
                 return trajectory.step_done(change)
         trajectory.step_failed()
         return None
-
-    def _surface_displacement(self, forces: Array) -> Array:
-        """Displacements (s, 3), m, of surface nodes under patch forces (m, 3), m^2."""
-        pressed = np.flatnonzero(forces.any(axis=1))
-        columns = self._by_patch[pressed].reshape(3 * len(pressed), self._by_patch.shape[-1])
-        displacement = forces[pressed].astype(np.float32).ravel() @ columns
-        return displacement.astype(float).reshape(-1, 3)
 
     def _fill(self, trajectory: TrajectorySolve, frame_forces: dict[int, Array]) -> None:
         """Record the displacements of all nodes in the solved frames, from patch forces (m, 3) of each frame."""
@@ -111,3 +108,31 @@ class LinearSolver:
                 loads[row, self._surface.nodes] = self._surface.averaging.T @ frame_forces[frame]
             for frame, displacement in zip(part, self._pad.solve_refined(loads), strict=True):
                 trajectory.recorder.put_displacement(frame, displacement)
+
+
+@njit(nogil=True, cache=True, fastmath={"contract", "reassoc", "arcp", "nsz"})
+def move_nodes(by_patch: NDArray[np.float32], forces: Array, nodes: Indices, displacement: Array) -> None:
+    """Write the displacements of some surface nodes under patch forces to their rows of ``displacement``.
+
+    Parameters
+    ----------
+    by_patch : (m, s, 3, 3) 1/m
+        Displacement (last axis) of each node by a unit force on each patch along each axis (third).
+    forces : (m, 3) m^2
+        Patch forces over Young's modulus.
+    nodes : (k,)
+        Nodes whose rows are written.
+    displacement : (s, 3) m
+        Changed in place; rows of other nodes stay as they are.
+    """
+    for node in nodes:
+        displacement[node] = 0.0
+    for patch in range(len(forces)):
+        x, y, z = forces[patch, 0], forces[patch, 1], forces[patch, 2]
+        if x == 0.0 and y == 0.0 and z == 0.0:
+            continue
+        responses = by_patch[patch]
+        for node in nodes:
+            response = responses[node]
+            for axis in range(3):
+                displacement[node, axis] += x * response[0, axis] + y * response[1, axis] + z * response[2, axis]

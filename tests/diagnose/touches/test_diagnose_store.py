@@ -13,8 +13,8 @@ from tactiledata.cli.main import run
 from tactiledata.contract.schema import check_document
 from tactiledata.diagnose import store as diagnose_store
 from tactiledata.diagnose.options import DiagnosisOptions
-from tactiledata.diagnose.touches.play_grid import design_variants, variants_of
 from tactiledata.diagnose.touches.store_touches import store_touches
+from tactiledata.diagnose.touches.variant_plays import design_variants, variants_of
 from tactiledata.diagnose.zeros.causes import ZeroCause
 from tactiledata.effects import EFFECTS
 from tactiledata.gel.mesh import structured_pad

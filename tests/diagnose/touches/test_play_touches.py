@@ -6,8 +6,9 @@ import pytest
 from tactiledata.calibrate.bounds import find_bounds
 from tactiledata.calibrate.kept_plays import Play
 from tactiledata.calibrate.touches import MeasuredTouch
-from tactiledata.diagnose.touches.play_grid import is_solvable, play_touches, variants_of
+from tactiledata.diagnose.touches.play_grid import play_touches
 from tactiledata.diagnose.touches.played_response import PlayedFamily
+from tactiledata.diagnose.touches.variant_plays import is_solvable, variants_of
 from tactiledata.effects.touch.response import GelVariant
 from tactiledata.effects.touch.touch import Touch
 from tactiledata.gel.contact.history import FrameStatus, GelTouch

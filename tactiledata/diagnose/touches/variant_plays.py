@@ -1,0 +1,156 @@
+"""Plays of gels and indenters that differ from the nominal ones, at finite strain or by the linear engine.
+
+Every play is kept on disk and not made again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from tactiledata.calibrate.kept_plays import Play, play_path
+from tactiledata.calibrate.play_progress import PlayProgress
+from tactiledata.calibrate.player import played_or_kept
+from tactiledata.compute.base import Scheduler
+from tactiledata.compute.local import LocalScheduler
+from tactiledata.contract.progress import Progress
+from tactiledata.diagnose.touches.missing_frames import solved
+from tactiledata.effects import EFFECTS
+from tactiledata.effects.base import Effect
+from tactiledata.effects.touch.gel_variants import variant_engine, warped
+from tactiledata.effects.touch.response import GelVariant
+from tactiledata.gel.contact.history import GelTouch
+from tactiledata.gel.elasticity.material import GelMaterial
+from tactiledata.gel.engines.fem import Fidelity
+from tactiledata.gel.mesh.pad import PadMesh
+from tactiledata.indenters.scaled import scaled
+
+MOST_LOST = 0.1
+"""Largest share of the frames that a variant may fail to solve.
+
+If it fails in more, the variant is left out; otherwise, the frames are interpolated.
+"""
+
+
+@dataclass(frozen=True)
+class VariantBatch:
+    """Touches that are played with one variant of gel or indenter, at one nu and one mu.
+
+    Parameters
+    ----------
+    mesh : PadMesh
+        Nominal mesh of the gel.
+    fidelity : "finite-strain" or "linear"
+        Mechanics of the gel engine.
+    ratio, friction : float
+        Poisson's ratio nu and friction coefficient mu.
+    variant : GelVariant
+        How gel or indenter differ from the nominal ones.
+    touches : tuple of GelTouch
+        With the nominal indenters.
+    """
+
+    mesh: PadMesh
+    fidelity: Fidelity
+    ratio: float
+    friction: float
+    variant: GelVariant
+    touches: tuple[GelTouch, ...]
+
+
+def design_variants(effect: Effect) -> tuple[GelVariant, ...]:
+    """Return the variants that must have been played before an effect can be simulated; most effects need none."""
+    return tuple(effect.variant({name: place}) for name, places in effect.designs.items() for place in places)
+
+
+def variants_of(names: Iterable[str]) -> tuple[GelVariant, ...]:
+    """Return the variants that the effects of these names need, each once."""
+    return tuple(dict.fromkeys(variant for name in names for variant in design_variants(EFFECTS[name]())))
+
+
+def play_variants(
+    batches: Sequence[VariantBatch],
+    runner: Scheduler | None,
+    progress: Progress,
+    words: Callable[[VariantBatch], str],
+) -> list[list[Play]]:
+    """Return the plays of each batch, in order.
+
+    Parameters
+    ----------
+    batches : sequence of VariantBatch
+        Touches and gels.
+    runner : Scheduler, optional
+        Where the batches are played; in this process where it is ``None``.
+    progress : Progress
+        Called with how many plays of touches are finished, how many there are, and what was played last.
+    words : callable
+        Returns what a batch plays, in words.
+
+    Raises
+    ------
+    Exception
+        The error of a batch that failed.
+    """
+    plays: list[list[Play]] = []
+    finished = 0
+    paths = [path for batch in batches for path in variant_paths(batch)]
+    with PlayProgress(paths, progress) as play_progress:
+        for outcome in (runner or LocalScheduler()).outcomes(play_variant, batches):
+            if outcome.error is not None:
+                raise outcome.error
+            plays.append(outcome.result or [])
+            finished += len(outcome.task.touches)
+            play_progress.finished(finished, words(outcome.task))
+    return plays
+
+
+def play_variant(batch: VariantBatch) -> list[Play]:
+    """Return the play of each touch of a batch, from disk where it was made before."""
+    return played_or_kept(
+        _touches(batch),
+        variant_paths(batch),
+        GelMaterial(1.0, batch.ratio, batch.friction),
+        lambda: variant_engine(batch.mesh, batch.ratio, batch.fidelity, batch.variant),
+    )
+
+
+def variant_paths(batch: VariantBatch) -> list[Path]:
+    """Return the file in which the play of each touch of a batch is kept."""
+    variant = batch.variant
+    digest = warped(batch.mesh, variant).digest
+    law = (variant.c20, variant.c30, variant.skin, variant.spots)
+    # shapes of pad and indenter are part of their digests; the law of the material is not
+    mechanics = batch.fidelity if law == (0.0, 0.0, 0.0, ()) else f"{batch.fidelity} {law!r}"
+    return [play_path(touch, digest, mechanics, batch.ratio, batch.friction) for touch in _touches(batch)]
+
+
+def _touches(batch: VariantBatch) -> tuple[GelTouch, ...]:
+    """Return touches of a batch with the indenters scaled as its variant says."""
+    scale = batch.variant.indenter_scale
+    if scale == 1.0:
+        return batch.touches
+    return tuple(GelTouch(scaled(touch.indenter, scale), touch.poses) for touch in batch.touches)
+
+
+def has_own_law(variant: GelVariant) -> bool:
+    """Return whether a variant has another elastic law, which the linear engine does not know."""
+    return (variant.c20, variant.c30) != (0.0, 0.0)
+
+
+def is_solvable(varied: Sequence[Play], plain: Sequence[Play]) -> bool:
+    """Return whether a variant solves nearly all frames which the nominal gel solves; see ``MOST_LOST``.
+
+    Parameters
+    ----------
+    varied : sequence of Play
+        Plays of the variant, one for each touch.
+    plain : sequence of Play
+        Plays of the nominal gel by the same engine at the same nu and mu, in the same order.
+    """
+    known = np.concatenate([solved(play) for play in plain])
+    lost = known & ~np.concatenate([solved(play) for play in varied])
+    return bool(lost.sum() <= MOST_LOST * known.sum())
