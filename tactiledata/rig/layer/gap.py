@@ -70,8 +70,8 @@ def gaps(indenter: Indenter, pose: RealArray, points: RealArray) -> RealArray:
     """Return the signed distances (n,), m, of points from the surface of an indenter; negative inside it.
 
     A distance is the Euclidean one to the nearest point of the surface, in any direction, not along the gel's normal;
-    edges and corners count as surface. It is as exact as the indenter's own `Indenter.signed_distance`: of a mesh with
-    overlapping parts the distance inside is a bound.
+    edges and corners count as surface. It is as exact as the indenter's own `Indenter.signed_distance`: where parts of
+    a body overlap, as in ``dots`` and some meshes, the distance inside is a bound.
 
     Parameters
     ----------
