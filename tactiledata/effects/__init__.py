@@ -2,8 +2,9 @@
 
 An effect is one file, in the folder of its slot, and one line in the table below. Read in this order:
 
-- ``base`` and ``parameter``: what an effect declares, and what each of its numbers means; ``design`` interpolates
-  between variants of the gel that the gel engine has played.
+- ``base`` and ``parameter``: what an effect declares, and what each of its numbers means, which of its values can be
+  believed, and how far beyond them one is implausible; ``design`` interpolates between variants of the gel that the
+  gel engine has played.
 - ``touch``: what a recorded touch states, what an effect may change of it, and operators that several effects share.
 - ``pose``, ``geometry``, ``material``, ``interface``, ``time``, ``sensor``: the effects, by slot, in the order in which
   they act.

@@ -194,7 +194,23 @@ def locators_section(located: LocatorResults, most: int = 10) -> Section:
 
 
 def shares_section(located: LocatorResults) -> Section | None:
-    """Return the section on where the residual's squares are found; ``None`` where there is no excess."""
+    """Return the section of a page that says which parts of the data hold the excess of the squared residual.
+
+    The residual is the whitened one after the refit of the shared parameters. Its excess is the sum of its squares
+    minus what noise explains; where the noise is not known, it is the whole sum. The section has a sentence on the part
+    that holds most of it (`EnergyShares.words`) and a picture of at most ``MOST_BARS`` bars. A bar is the share of the
+    excess, cut off at 1, in one part: a component or a few together, a level of a label such as phase or indenter, or a
+    third of a covariate such as depth. A tick is the share of all values that lie in the part. Parts that exceed an
+    even spread most come first, and parts overlap, so that the bars do not add up to 1.
+
+    It is ``None`` where the locators found no part: the excess is not positive, its 95 % interval includes 0, or the
+    data have no conditions by which to divide them.
+
+    Parameters
+    ----------
+    located : LocatorResults
+        Results of the locators; their ``energy`` is shown.
+    """
     cells = sorted(located.energy.cells, key=lambda cell: cell.of_values - cell.share)[:MOST_BARS]
     if not cells:
         return None

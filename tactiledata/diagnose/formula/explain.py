@@ -15,7 +15,7 @@ from tactiledata.diagnose.formula.shifted import shift_carriers
 from tactiledata.diagnose.formula.surface import Empirical, empirical
 from tactiledata.diagnose.formula.unseen import UnseenFormula, held_out
 from tactiledata.diagnose.locate.locate import LocateOptions, LocatorResults, locate
-from tactiledata.diagnose.residuals.ceiling import BlackBox, black_box
+from tactiledata.diagnose.residuals.ceiling import WORTH, BlackBox, black_box
 from tactiledata.diagnose.residuals.gap import Gap, gap_closed, is_improved, scatter
 from tactiledata.diagnose.residuals.learners import need_learning_library
 from tactiledata.diagnose.residuals.projection import project
@@ -31,8 +31,6 @@ UNNAMED = (
     "Structured, not named: a black box predicts part of the differences on groups that it was not trained on, and no"
     " locator says where they are."
 )
-WORTH = 0.02
-"""Smallest share of the squares of held-out groups for which a formula or a surface is worth a sentence."""
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
-"""Stability selection: the terms that halves of the trajectories choose again and again by greedy pursuit.
+"""Stability selection: the terms that halves of the trajectories choose again and again by a greedy search.
 
 Meinshausen and Buehlmann 2010, with the complementary pairs of Shah and Samworth 2013. Each half is searched by
-orthogonal matching pursuit; terms that are nearly the same field vote together.
+orthogonal least squares; terms that are nearly the same field vote together.
 """
 
 from __future__ import annotations
@@ -64,20 +64,25 @@ def halves(units: int, rng: np.random.Generator, pairs: int = PAIRS) -> Array:
 
 
 def pursue(scores: Array, grams: Array, picks: int = PICKS) -> Indices:
-    """Return which terms (b, picks) orthogonal matching pursuit picks, in b problems of m terms at once.
+    """Return which terms (b, picks) orthogonal least squares picks, in b problems of m terms at once.
 
-    Terms are numbered from 0 to m - 1. Each pick is the term that lowers the squared residual most after the picks
-    before it; they stand in the order in which they are picked. Where no term would lower it, as where ``picks`` is
-    larger than the number of independent terms, the number is -1.
+    Terms are numbered from 0 to m - 1. Each pick is the term that lowers the squared residual most when all picks are
+    refitted together; they stand in the order in which they are picked, and of equal terms the one with the smaller
+    number is taken. Orthogonal matching pursuit would take the term most correlated with the residual instead. A term
+    of whose squared norm the earlier picks leave at most the share ``SINGULAR`` lowers nothing. Where no term lowers
+    the squared residual, as where ``picks`` is larger than the number of independent terms, this number and all later
+    ones are -1. The scale of a term does not matter.
 
     Parameters
     ----------
     scores : (b, m)
-        Products of the terms with the residual.
+        Products of the terms with the residual; not changed.
     grams : (b, m, m)
-        Products of the terms with one another.
+        Products of the terms with one another; not changed.
     picks : int
         Number of terms to pick in each problem.
+
+    Source: Chen, Billings and Luo, Int. J. Control 50 (1989), on orthogonal least squares.
     """
     scores, grams = scores.copy(), grams.copy()
     rows = np.arange(len(scores))
@@ -100,10 +105,13 @@ def pursue(scores: Array, grams: Array, picks: int = PICKS) -> Indices:
 def stable_choices(by_unit: Array, grams: Array, rng: np.random.Generator) -> list[Choice]:
     """Return families of terms, the most often chosen by halves of the units first.
 
+    In each half `pursue` picks ``PICKS`` terms. A term that any half picks joins the family of a more often picked one
+    where the absolute cosine between them exceeds ``ALIKE``; terms that no half picks are in no family.
+
     Parameters
     ----------
     by_unit : (u, m)
-        Contributions of the units of exchange to the scores.
+        Contributions of the u units of exchange to the scores of the m terms, their products with the residual.
     grams : (u, m, m)
         Contributions of the units of exchange to the products of the terms with one another.
     rng : Generator

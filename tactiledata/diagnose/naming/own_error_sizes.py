@@ -40,7 +40,7 @@ class OddTouch:
     factor : float
         The fitted factor; 1 where the touch is as simulated.
     deviation : float
-        Standard deviation of that factor in touches of the indenter.
+        Prior standard deviation of that factor in touches of the indenter.
     """
 
     name: str
@@ -52,10 +52,17 @@ class OddTouch:
 def odd_touches(whitened: WhitenedTouches, fit: JointFit) -> tuple[OddTouch, ...]:
     """Return touches with a factor on their forces or shear beyond ``ODD`` deviations, in the order of trajectories.
 
+    A trajectory is one touch. Beside what all touches share it has two factors of its own, one on all of its forces and
+    torques and one on its shear force, both 1 where the touch is as simulated. They are estimated by the mean of their
+    posterior, with the touch's other own errors (`OwnErrors`), given the residual of the fit. A touch is odd where an
+    estimate differs from 1, either way, by more than ``ODD`` times the factor's prior standard deviation in touches of
+    its indenter. A touch with both factors beyond is returned twice; without any the result is empty. In a touch
+    without shear the factor on shear is 1.
+
     Parameters
     ----------
     whitened : WhitenedTouches
-        Trajectories.
+        Trajectories in units of the noise, with the sizes of their own errors.
     fit : JointFit
         Fit to them.
     """

@@ -34,7 +34,7 @@ class TrialPath:
     positions : (k, 3) m
         x and y on the gel, and depth below its undeformed surface.
     turns : (k, 3) rad
-        Rotation vectors of the sensor from its orientation at touch.
+        Rotation vectors of the indenter, gel frame, from its orientation in a press; zero near the gel.
     captures : (c,) s
         Times of the frames that are taken step by step.
     """

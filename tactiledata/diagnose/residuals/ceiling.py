@@ -23,7 +23,10 @@ def features(residuals: Residuals) -> Array:
 LEVEL = 0.01
 """Largest p-value at which the trees count as certain; small beside the 5 % that the locators share."""
 WORTH = 0.02
-"""Least share of the held-out squares that the trees must explain to be reported."""
+"""Least share of held-out squares that trees or a surface must explain to be reported.
+
+A formula must close this share of their gap to the floor.
+"""
 TREES = 60
 """Trees of each boosted model."""
 LEAVES = 12

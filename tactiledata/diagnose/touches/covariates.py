@@ -72,10 +72,19 @@ def case_covariates(touch_set: TouchSet, answers: Sequence[ContactResponse]) -> 
 
 
 def phases(case: TouchCase) -> Names:
-    """Return the phase (n,) of each frame, from free-air flags and the recorded path.
+    """Return the phase (n,), as text, of each frame, from its free-air flag and its motion since the frame before.
 
-    The phases are "free air" (flagged), "approach" (not flagged, going down above the gel), "press", "dwell", "shear",
-    "reverse" (shear against its first direction) and "leave".
+    The motion is that of the indenter's tip as recorded, in the gel frame; a rotation about the tip does not count. The
+    first condition that holds decides:
+
+    - "free air": the frame is flagged in ``case.free_air``.
+    - "dwell": the tip moves by at most ``STILL`` times the median step of the trajectory's moving frames. The first
+      frame, which has no frame before it, dwells; so does a frame of unknown pose, which keeps the last known place.
+    - "shear" or "reverse": the tip moves more along the gel than up or down. A reverse has a part against the
+      trajectory's first shear; a slide at right angles to it is a shear.
+    - "approach": the tip goes down and is still above the undeformed surface in the middle (z > 0).
+    - "press": the tip goes down below it.
+    - "leave": the tip goes up, below or above the surface.
     """
     tips = _filled(case.touch.tips)
     steps = np.diff(tips, axis=0, prepend=tips[:1])

@@ -30,7 +30,8 @@ class CubicsOverFriction:
     nodes : (m,)
         Friction coefficients, ascending.
     coefficients : (4, m - 1, n, c)
-        Of each piece, frame and column, highest power first, over the distance from the lower node.
+        Of each piece, frame and column, highest power first, over the distance from the lower node; neighbouring
+        pieces agree at the node between them.
     """
 
     nodes: Array

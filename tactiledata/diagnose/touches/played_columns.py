@@ -94,16 +94,19 @@ def moved_wrench(force: Array, motion: Array) -> Array:
 
 @njit(cache=True)
 def cubics_at(nodes: Array, coefficients: Array, places: Array) -> Array:
-    """Return values (n, c) of piecewise cubics, each frame at an argument of its own; see `CubicsOverFriction`.
+    """Return values (n, c) of piecewise cubics, each frame at an argument of its own.
+
+    `CubicsOverFriction` calls it: the argument is the friction coefficient (no unit), and the c columns are those of a
+    play, with the units of their coefficients. At an inner node the piece above it is taken.
 
     Parameters
     ----------
     nodes : (m,)
-        Ends of the pieces, ascending. Arguments beyond them are moved to the nearest end.
+        Ends of the pieces, ascending, at least two. Arguments beyond them are moved to the nearest end.
     coefficients : (4, m - 1, n, c)
         Of each piece, frame and column, highest power first, over the distance from the lower node.
     places : (n,)
-        Argument of each frame.
+        Argument of each frame, a finite number in the unit of the nodes.
     """
     count, width = coefficients.shape[2], coefficients.shape[3]
     columns = np.empty((count, width))

@@ -30,20 +30,28 @@ def drawn_surface(
     depth: float,
     fall: Map,
 ) -> Map:
-    """Return the height (n_y, n_x), m, of the deformed surface over that at rest, on the footprint's grid.
+    """Return the height (n_y, n_x), m, float32, of the deformed surface over that at rest, on the footprint's grid.
+
+    Rows are y and columns x of the gel frame; the grid stays with the gel. The height is negative where the gel is
+    pressed in, and is counted from the undeformed surface at the same x and y, that of the dome where there is one.
+
+    The solver's surface, moved sideways as well, is interpolated by cubics and slightly smoothed. It may not pierce the
+    indenter: where it would, it is laid onto it, and gaps below ``CLOSED`` pitches of the layer are narrowed. Points
+    beyond the layer's grid have the values of its edge. Where the indenter does not reach the gel (``depth`` at most
+    the least ``fall``), only the solver's surface is drawn, and without any displacement all is 0.
 
     Parameters
     ----------
     displacement : (3, rows, columns), m, float32
-        Displacement of the layer's surface, on its own grid.
+        Displacement of the layer's surface along x, y and z of the gel frame, on its own grid.
     grid : LayerGrid
         Grid of the layer.
     footprint : Footprint
-        The turned indenter over the gel.
+        The turned indenter over the gel: heights over its lowest point, m, along gel z, on the grid of the picture.
     moved : (2,), metres
-        Move of the indenter over the gel since the footprint was taken.
+        Move of the indenter along x and y over the gel since the footprint was taken.
     depth : metres
-        Depth of the indenter's lowest point below the undeformed surface at the touch's position.
+        Depth of the indenter's lowest point below the undeformed surface at the touch's position; negative above it.
     fall : (n_y, n_x), m
         Depth of a dome's undeformed surface below that at the touch's position; zero for a flat gel.
     """

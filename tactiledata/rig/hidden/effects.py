@@ -53,7 +53,7 @@ HIDDEN_EFFECTS = Registry(
 
 
 def name_of(effect: HiddenEffect) -> str:
-    """Return the name under which the table holds an effect's class."""
+    """Return the name under which ``HIDDEN_EFFECTS`` holds the class of an effect, such as ``"wear"``."""
     return next(name for name in HIDDEN_EFFECTS if HIDDEN_EFFECTS[name] is type(effect))
 
 
@@ -96,7 +96,13 @@ def hidden_effect(entry: Mapping[str, Any], path: str, where: str) -> HiddenEffe
 
 
 def is_null(effect: HiddenEffect) -> bool:
-    """Return whether an effect has no strength: the parameters that its strengths set have their defaults."""
+    """Return whether a hidden effect changes nothing: every parameter of its strengths has exactly its default.
+
+    A hidden effect is physics that a scenario puts into the recordings and a diagnosis has to find. Its class names
+    strengths (`HiddenEffect.STRENGTHS`: weak, medium, strong), each a value for one or several of its parameters, and
+    the defaults of a class are those of no effect. Parameters that no strength sets, such as a reference speed, do not
+    count, so that a class without strengths would always be null. Scenarios leave out effects that are null.
+    """
     nulls = {item.name: item.default for item in fields(effect)}  # type: ignore[arg-type]
     scaled = {key for strength in type(effect).STRENGTHS.values() for key in strength}
     return all(getattr(effect, key) == nulls[key] for key in scaled)

@@ -67,16 +67,20 @@ class TouchPoints:
 
 
 def gaps(indenter: Indenter, pose: RealArray, points: RealArray) -> RealArray:
-    """Return the signed distances (n,), m, of points from an indenter.
+    """Return the signed distances (n,), m, of points from the surface of an indenter; negative inside it.
+
+    A distance is the Euclidean one to the nearest point of the surface, in any direction, not along the gel's normal;
+    edges and corners count as surface. It is as exact as the indenter's own `Indenter.signed_distance`: where parts of
+    a body overlap, as in ``dots`` and some meshes, the distance inside is a bound.
 
     Parameters
     ----------
     indenter : Indenter
         The body.
-    pose : (4, 4), metres
-        Pose of the indenter, gel_from_indenter.
+    pose : (4, 4)
+        Pose of the indenter, gel_from_indenter: a proper rotation, and a translation in metres.
     points : (n, 3), metres, gel frame
-        Points to measure from.
+        Points to measure from; without points the result is empty.
     """
     return np.asarray(indenter.signed_distance((points - pose[:3, 3]) @ pose[:3, :3]))
 
@@ -84,16 +88,16 @@ def gaps(indenter: Indenter, pose: RealArray, points: RealArray) -> RealArray:
 def gaps_and_normals(indenter: Indenter, pose: RealArray, points: RealArray) -> tuple[RealArray, RealArray]:
     """Return the signed distances (n,), m, of points, and the unit normals (n, 3) out of the indenter, gel frame.
 
-    Every point is first moved down along the gel's z axis, a point inside the body out of it, and the distance is
-    extrapolated from there as a plane: a deep first guess beside an edge belongs to the face above it, not to the wall
-    beside it.
+    A distance is negative inside. Every point is first moved down along the gel's z axis, a point inside the body out
+    of it, and the distance is extrapolated from there as a plane: a deep first guess beside an edge belongs to the face
+    above it, not to the wall beside it. So it differs from that of `gaps` where the body is curved or has an edge near.
 
     Parameters
     ----------
     indenter : Indenter
         The body.
-    pose : (4, 4), metres
-        Pose of the indenter, gel_from_indenter.
+    pose : (4, 4)
+        Pose of the indenter, gel_from_indenter: a proper rotation, and a translation in metres.
     points : (n, 3), metres, gel frame
         Points to measure from.
     """
