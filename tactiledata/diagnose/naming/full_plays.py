@@ -80,19 +80,23 @@ def named_with_full_plays(
     naming = name(played)
     first, first_naming = played, naming
     for _ in range(MOST_ROUNDS):
-        wanted = frozenset(variant for effect in promising(naming, thresholds) for variant in estimated(effect))
-        if wanted <= full:
+        estimates = estimated(played.plays)
+        wanted = estimates.intersection(
+            variant for effect in promising(naming, thresholds) for variant in design_variants(EFFECTS[effect]())
+        )
+        if not wanted:
             break
         if not full:
             told(naming)
         full |= wanted
         played = play(full)
         naming = name(played)
-    effects = [effect for effect in EFFECTS if estimated(effect) and full.issuperset(estimated(effect))]
+    looked_at = full & estimated(first.plays)
+    effects = [effect for effect in EFFECTS if looked_at.intersection(design_variants(EFFECTS[effect]()))]
     closer = tuple(
         FullPlay(
             effect,
-            _error(first.plays, played.plays, estimated(effect)),
+            _error(first.plays, played.plays, design_variants(EFFECTS[effect]())),
             _evidence(first_naming, effect),
             _evidence(naming, effect),
         )
@@ -101,9 +105,9 @@ def named_with_full_plays(
     return played, naming, closer
 
 
-def estimated(effect: str) -> tuple[GelVariant, ...]:
-    """Return the variants of the gel that an effect needs and that a first diagnosis estimates."""
-    return design_variants(EFFECTS[effect]())
+def estimated(plays: Sequence[TouchPlays]) -> frozenset[GelVariant]:
+    """Return the variants of the gel whose changes are estimated in the plays of some trajectory."""
+    return frozenset(variant for one in plays for variant in one.by_estimate)
 
 
 def promising(naming: NamingResult, thresholds: DecisionThresholds) -> set[str]:

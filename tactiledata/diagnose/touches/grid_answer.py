@@ -49,6 +49,8 @@ class TouchPlays:
         Change of the wrench over Young's modulus by each variant, at the middle pair.
     estimated : (n,) bool, optional
         Frames that some play has not solved, and that were interpolated there; none where ``None``.
+    by_estimate : frozenset of GelVariant
+        Variants whose change is estimated for most touches, not played at the fidelity that was asked for.
     """
 
     plan: ResponsePlan
@@ -59,6 +61,7 @@ class TouchPlays:
     height: Array
     variants: Mapping[GelVariant, Array] = field(default_factory=dict)
     estimated: NDArray[np.bool_] | None = None
+    by_estimate: frozenset[GelVariant] = frozenset()
 
     @property
     def known(self) -> NDArray[np.bool_]:
@@ -76,6 +79,7 @@ class TouchPlays:
             self.height[rows],
             {variant: difference[rows] for variant, difference in self.variants.items()},
             None if self.estimated is None else self.estimated[rows],
+            self.by_estimate,
         )
 
     def at(self, ratio: float, friction: float, offset: Array, shift: Array) -> Array:

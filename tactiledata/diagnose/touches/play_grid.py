@@ -151,7 +151,9 @@ def play_touches(
 
     all_shifted = [completed(plays, True) for plays in of_moved]
     all_varied = {variant: completed(varied[variant], variant not in exact) for variant in solvable}
-    join = partial(_touch_plays, plan, mesh)
+    learned = {variant for variant in solvable if len(played_for[variant]) < len(every) and variant not in far}
+    by_estimate = frozenset(variant for variant in solvable if variant not in exact or variant in learned)
+    join = partial(_touch_plays, plan, mesh, by_estimate)
     return [
         join(
             {node: plays[k] for node, plays in all_nodes.items()},
@@ -179,6 +181,7 @@ def _moved(touch: GelTouch, axis: int, by: float) -> GelTouch:
 def _touch_plays(
     plan: ResponsePlan,
     mesh: PadMesh,
+    by_estimate: frozenset[GelVariant],
     plays: dict[Node, Play],
     shifted: Sequence[Play],
     varied: Mapping[GelVariant, Play],
@@ -193,6 +196,8 @@ def _touch_plays(
         Nodes of the grid.
     mesh : PadMesh
         Nominal mesh, for the height of its surface.
+    by_estimate : frozenset of GelVariant
+        Variants whose changes are estimated.
     plays : dict, Node -> Play
         Plays of the nominal gel on the recorded path.
     shifted : sequence of 4 Play
@@ -230,4 +235,5 @@ def _touch_plays(
         np.where(unknown, np.nan, contact_height(mesh, touch.touch.indenter, np.nan_to_num(touch.touch.poses))),
         {variant: (columns(play) - middle)[:, :6] for variant, play in varied.items()},
         estimated,
+        by_estimate,
     )

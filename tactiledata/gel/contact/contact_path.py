@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation, Slerp
 
-from tactiledata.arrays import Array, Indices, Mask
+from tactiledata.arrays import Array, Indices
 from tactiledata.gel.contact.friction import solve_contact
 from tactiledata.gel.contact.gap import APART, height_above, patch_gaps
 from tactiledata.gel.contact.relief import IndenterRelief
@@ -130,7 +130,7 @@ class ContactPath:
 
         These are the nodes of all patches that a searched face belongs to, and of those that carry a force.
         """
-        in_reach: Mask = self.state.forces.any(axis=1)
+        in_reach = np.asarray(self.state.forces.any(axis=1))
         in_reach[self.surface.face_corners[self._faces].ravel()] = True
         is_node = np.zeros(len(self.rest), dtype=bool)
         is_node[self.surface.faces[self._faces].ravel()] = True

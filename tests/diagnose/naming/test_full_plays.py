@@ -8,12 +8,13 @@ import pytest
 from candidates import along, candidate
 
 from tactiledata.diagnose.naming.decide import Tie
-from tactiledata.diagnose.naming.full_plays import MOST_ROUNDS, estimated, named_with_full_plays
+from tactiledata.diagnose.naming.full_plays import MOST_ROUNDS, named_with_full_plays
 from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
-from tactiledata.effects.touch.response import GelVariant
+from tactiledata.diagnose.touches.variant_plays import variants_of
 
 T = DEFAULT_THRESHOLDS
-THICKNESS = frozenset(estimated("thickness"))
+THICKNESS = frozenset(variants_of(["thickness"]))
+ALL = frozenset(variants_of(["thickness", "skin", "dome", "mount_offset", "strain_stiffening"]))
 
 
 @dataclass(frozen=True)
@@ -21,13 +22,15 @@ class Touches:
     """Plays of one touch whose changes are 1 where they are played in full, and more where they are estimated."""
 
     full: frozenset
+    by_estimate: frozenset = ALL
 
     @property
     def plays(self):
         def change(variant):
             return np.ones((4, 6)) * np.where(np.arange(6) < 3, 1.0 if variant in self.full else 1.2, 50.0)
 
-        return [SimpleNamespace(variants={variant: change(variant) for variant in THICKNESS})]
+        variants = {variant: change(variant) for variant in THICKNESS}
+        return [SimpleNamespace(variants=variants, by_estimate=self.by_estimate - self.full)]
 
 
 def naming(scored, claimed=(), ties=()):
@@ -87,14 +90,28 @@ def test_one_full_play_may_call_for_another_and_rounds_end():
     """Skin after thickness; effects that come up again and again do not go on for ever."""
     skin = candidate("skin", T.trace_share, change=along(1))
     asked, *_, closer = run([naming([of_thickness(1.0)]), naming([skin])])
-    assert asked == [frozenset(), THICKNESS, THICKNESS | frozenset(estimated("skin"))]
+    assert asked == [frozenset(), THICKNESS, THICKNESS | frozenset(variants_of(["skin"]))]
     assert [one.effect for one in closer] == ["thickness", "skin"]
     assert np.isnan(closer[0].evidence)
     endless = [naming([candidate(name, 2.0)]) for name in ("thickness", "skin", "dome", "mount_offset", "thickness")]
     assert len(run(endless)[0]) <= MOST_ROUNDS + 1
 
 
-def test_a_stiffening_law_is_never_estimated():
-    """The linear engine has no such law: its variants are no estimates."""
-    assert estimated("strain_stiffening") == ()
-    assert GelVariant(thickness=1.15) in THICKNESS
+def test_a_stiffening_law_is_played_in_full_where_it_is_named():
+    """It is learned from a few touches, which is no more than an estimate."""
+    asked, *_, (closer,) = run([naming([candidate("strain_stiffening", 2.0)], claimed=("strain_stiffening",))])
+    assert asked == [frozenset(), frozenset(variants_of(["strain_stiffening"]))]
+    assert closer.effect == "strain_stiffening"
+
+
+def test_what_was_played_already_is_not_played_again():
+    """Where nothing is estimated, as by the linear engine or with few touches, the first answer is the answer."""
+    asked = []
+
+    def play(full):
+        asked.append(full)
+        return Touches(full, by_estimate=frozenset())
+
+    answer = naming([of_thickness(5.0)], claimed=("thickness",))
+    _, found, closer = named_with_full_plays(play, lambda _: answer, T)
+    assert (asked, found, closer) == ([frozenset()], answer, ())
