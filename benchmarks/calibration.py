@@ -19,7 +19,7 @@ from tactiledata.calibrate.coverage import coverage
 from tactiledata.calibrate.fit import vector_loss
 from tactiledata.calibrate.measured import Measured
 from tactiledata.calibrate.options import CalibrationOptions
-from tactiledata.calibrate.player import play_at
+from tactiledata.calibrate.plays.player import play_at
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.gel.contact.history import GelTouch
 from tactiledata.gel.mesh.structured_pad import GridPlan, pad_mesh, structured_pad

@@ -29,7 +29,7 @@ from tactiledata.calibrate.experiment import Experiment, assemble
 from tactiledata.calibrate.fit import fit
 from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.calibrate.plan import ResponsePlan
-from tactiledata.calibrate.player import play_nodes
+from tactiledata.calibrate.plays.player import play_nodes
 from tactiledata.calibrate.remarks import remarks
 from tactiledata.contract.atomic import write_atomic
 from tactiledata.diagnose.answer.naming_page import naming_page, naming_sentences

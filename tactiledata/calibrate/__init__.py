@@ -4,9 +4,8 @@ Read in this order:
 
 - ``options``, ``bounds``, ``gent``: what a user chooses, the box that is searched, the start of the search;
 - ``measured``, ``touches``: which trajectories of a store can be used, and why others cannot;
-- ``plan``, ``player``, ``play_progress``: at which parameters the gel is simulated;
-  ``kept_plays``: the cache of simulated touches on disk, and under which key each is kept;
-  ``estimated_plays``: which of these are estimated from others and from the linear engine;
+- ``plan``: at which parameters the gel is simulated; ``plays``: the simulated touches, kept on disk, and those that are
+  estimated from others and from the linear engine;
 - ``response``, ``experiment``: simulated wrenches interpolated at any parameters, beside the measured ones;
 - ``losses``, ``search``, ``least_squares``, ``fit``: the distance between the two, and its minimum;
 - ``intervals``, ``simulation_error``, ``coverage``: how well the parameters are known, and how often that is true;

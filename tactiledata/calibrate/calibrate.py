@@ -14,7 +14,7 @@ from tactiledata.calibrate.knowledge import KnownParameter, known_parameters, ma
 from tactiledata.calibrate.measured import Measured, read_measured
 from tactiledata.calibrate.options import FEWEST, CalibrationOptions
 from tactiledata.calibrate.plan import ResponsePlan
-from tactiledata.calibrate.player import play_at, play_plan
+from tactiledata.calibrate.plays.player import play_at, play_plan
 from tactiledata.calibrate.remarks import remarks
 from tactiledata.compute import make_scheduler
 from tactiledata.contract.progress import Progress, no_progress

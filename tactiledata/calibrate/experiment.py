@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.arrays import Array, Indices
-from tactiledata.calibrate.kept_plays import Play
 from tactiledata.calibrate.plan import Node, ResponsePlan
+from tactiledata.calibrate.plays.kept_plays import Play
 from tactiledata.calibrate.response import Response
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.gel.contact.history import FrameStatus

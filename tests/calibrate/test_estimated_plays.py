@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from tactiledata.calibrate.estimated_plays import estimated_change, estimated_node, is_played
-from tactiledata.calibrate.kept_plays import Play
 from tactiledata.calibrate.plan import Node, ResponsePlan
-from tactiledata.calibrate.player import PlanPlays
+from tactiledata.calibrate.plays.estimated_plays import estimated_change, estimated_node, is_played
+from tactiledata.calibrate.plays.kept_plays import Play
+from tactiledata.calibrate.plays.player import PlanPlays
 from tactiledata.gel.contact.history import FrameStatus
 
 PLAN = ResponsePlan((0.45, 0.47, 0.49), (0.4, 0.6, 0.85))

@@ -7,7 +7,7 @@ import numpy as np
 
 from tactiledata.calibrate import player
 from tactiledata.calibrate.plan import Node
-from tactiledata.calibrate.play_progress import PlayProgress
+from tactiledata.calibrate.plays.play_progress import PlayProgress
 
 SECONDS = 10.0
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tactiledata.calibrate.plan import Node
-from tactiledata.calibrate.player import play_nodes
+from tactiledata.calibrate.plays.player import play_nodes
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.compute import make_scheduler
 from tactiledata.gel.contact.history import GelTouch

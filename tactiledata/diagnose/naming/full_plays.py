@@ -1,8 +1,8 @@
 """Effects named with gels that are played in full, wherever an answer could rest on an estimated play.
 
-A first diagnosis estimates how most other gels would respond (`tactiledata.calibrate.estimated_plays`). That is good
-enough to see which effects are worth a closer look. The gels of these are then played at finite strain, and the effects
-are named again.
+A first diagnosis estimates how most other gels would respond (`tactiledata.calibrate.plays`). That is good enough to
+see which effects are worth a closer look. The gels of these are then played at finite strain, and the effects are named
+again.
 """
 
 from __future__ import annotations

@@ -6,8 +6,8 @@ Read in this order:
 2. `store_touches`: the trajectories of a store, with gel and covariates. `rest_means`: wrenches averaged over the
    readings while the indenter stands.
 3. `play_grid`: which plays of the gel engine are made, and which are estimated: pairs of nu and mu, offsets, shifts
-   along the gel, variants. A variant that the engine solves in too few frames is left out, and with it the effects that
-   need it.
+   along the gel, variants. `variant_plays`: plays of another gel or indenter; a variant that the engine solves in too
+   few frames is left out, and with it the effects that need it.
 4. `missing_frames`: frames that a play has not solved, estimated from the others. `grid_answer`: interpolation between
    plays. `played_columns`: its compiled inner loops.
 5. `friction_history`: shear that depends on earlier frames, where friction changes from frame to frame or the path is

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -70,16 +70,15 @@ class TouchPlays:
 
     def part(self, rows: NDArray[np.bool_]) -> TouchPlays:
         """Return the plays of the chosen frames (n,)."""
-        return TouchPlays(
-            self.plan,
-            self.level[:, :, rows],
-            self.by_ratio[:, :, rows],
-            self.by_friction[:, :, rows],
-            self.by_shift[:, rows],
-            self.height[rows],
-            {variant: difference[rows] for variant, difference in self.variants.items()},
-            None if self.estimated is None else self.estimated[rows],
-            self.by_estimate,
+        return replace(
+            self,
+            level=self.level[:, :, rows],
+            by_ratio=self.by_ratio[:, :, rows],
+            by_friction=self.by_friction[:, :, rows],
+            by_shift=self.by_shift[:, rows],
+            height=self.height[rows],
+            variants={variant: difference[rows] for variant, difference in self.variants.items()},
+            estimated=None if self.estimated is None else self.estimated[rows],
         )
 
     def at(self, ratio: float, friction: float, offset: Array, shift: Array) -> Array:

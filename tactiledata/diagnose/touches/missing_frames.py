@@ -15,7 +15,7 @@ import numpy as np
 
 from tactiledata.arrays import Array, Mask
 from tactiledata.calibrate.experiment import KNOWN
-from tactiledata.calibrate.kept_plays import Play
+from tactiledata.calibrate.plays.kept_plays import Play
 from tactiledata.diagnose.touches.played_columns import pressed, wrench_at_height
 from tactiledata.effects.touch.state import wrench_at
 from tactiledata.gel.contact.history import FrameStatus

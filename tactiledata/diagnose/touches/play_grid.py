@@ -13,11 +13,11 @@ import numpy as np
 
 from tactiledata.arrays import Array, Mask
 from tactiledata.calibrate.bounds import Bounds
-from tactiledata.calibrate.estimated_plays import estimated_change, middle_node
-from tactiledata.calibrate.kept_plays import Play
-from tactiledata.calibrate.learned_plays import example_touches, learned_laws
 from tactiledata.calibrate.plan import Node, ResponsePlan
-from tactiledata.calibrate.player import play_plan
+from tactiledata.calibrate.plays.estimated_plays import estimated_change, middle_node
+from tactiledata.calibrate.plays.kept_plays import Play
+from tactiledata.calibrate.plays.learned_plays import example_touches, learned_laws
+from tactiledata.calibrate.plays.player import play_plan
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.compute.base import Scheduler
 from tactiledata.contract.progress import Progress, no_progress
@@ -48,7 +48,8 @@ def play_touches(
     """Return the plays of each touch.
 
     At finite strain most of them are estimated from a few and from those of the linear engine
-    (`tactiledata.calibrate.estimated_plays`); variants of the elastic law are played, as the linear engine has none.
+    (`tactiledata.calibrate.plays.estimated_plays`). The linear engine knows no other elastic law: a few touches are
+    played with it, from which the others are learned (`tactiledata.calibrate.plays.learned_plays`).
 
     Frames that the middle play could not solve are not numbers. Frames that another play could not solve are
     interpolated from those that it could (`missing_frames`). Plays without shift and variant are those of the
@@ -228,12 +229,12 @@ def _touch_plays(
     left, right, down, up = (columns(play) for play in shifted)
     return TouchPlays(
         plan,
-        np.array([[columns(plays[Node(ratio, mu, 0.0)]) for mu in plan.frictions] for ratio in plan.ratios]),
-        np.array([bend(ratio, plan.frictions[mu_middle]) for ratio in plan.ratios]),
-        np.array([bend(plan.ratios[nu_middle], friction) for friction in plan.frictions]),
-        np.stack([right - left, up - down]) / (2 * SHIFT),
-        np.where(unknown, np.nan, contact_height(mesh, touch.touch.indenter, np.nan_to_num(touch.touch.poses))),
-        {variant: (columns(play) - middle)[:, :6] for variant, play in varied.items()},
-        estimated,
-        by_estimate,
+        level=np.array([[columns(plays[Node(ratio, mu, 0.0)]) for mu in plan.frictions] for ratio in plan.ratios]),
+        by_ratio=np.array([bend(ratio, plan.frictions[mu_middle]) for ratio in plan.ratios]),
+        by_friction=np.array([bend(plan.ratios[nu_middle], friction) for friction in plan.frictions]),
+        by_shift=np.stack([right - left, up - down]) / (2 * SHIFT),
+        height=np.where(unknown, np.nan, contact_height(mesh, touch.touch.indenter, np.nan_to_num(touch.touch.poses))),
+        variants={variant: (columns(play) - middle)[:, :6] for variant, play in varied.items()},
+        estimated=estimated,
+        by_estimate=by_estimate,
     )

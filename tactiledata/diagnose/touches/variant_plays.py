@@ -11,9 +11,9 @@ from pathlib import Path
 
 import numpy as np
 
-from tactiledata.calibrate.kept_plays import Play, play_path
-from tactiledata.calibrate.play_progress import PlayProgress
-from tactiledata.calibrate.player import played_or_kept
+from tactiledata.calibrate.plays.kept_plays import Play, play_path
+from tactiledata.calibrate.plays.play_progress import PlayProgress
+from tactiledata.calibrate.plays.player import played_or_kept
 from tactiledata.compute.base import Scheduler
 from tactiledata.compute.local import LocalScheduler
 from tactiledata.contract.progress import Progress

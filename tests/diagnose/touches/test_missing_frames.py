@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tactiledata.calibrate.kept_plays import Play
+from tactiledata.calibrate.plays.kept_plays import Play
 from tactiledata.diagnose.touches.missing_frames import NEIGHBOURS, complete, solved
 from tactiledata.gel.contact.history import FrameStatus
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tactiledata.calibrate.bounds import find_bounds
-from tactiledata.calibrate.kept_plays import Play
+from tactiledata.calibrate.plays.kept_plays import Play
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.diagnose.touches.play_grid import play_touches
 from tactiledata.diagnose.touches.played_response import PlayedFamily
@@ -145,7 +145,7 @@ def test_estimated_plays_are_near_full_ones(at_finite_strain):
 
 
 def test_what_is_asked_for_and_what_the_linear_engine_does_not_know_is_played_in_full(at_finite_strain):
-    """A stiffening law always, a thickness where it is asked for; estimated, the thickness is off by some per cent."""
+    """A stiffening law where touches are few, a thickness where it is asked for; estimates are off by some per cent."""
     (thinner, stiffening), (all_played, estimated, asked) = at_finite_strain
     for full, quick, closer in zip(all_played, estimated, asked, strict=True):
         for plays, variant in ((quick, stiffening), (closer, stiffening), (closer, thinner)):

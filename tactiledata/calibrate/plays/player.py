@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tactiledata.arrays import Array
-from tactiledata.calibrate.estimated_plays import estimated_node, is_learned, is_played, middle_node
-from tactiledata.calibrate.kept_plays import Play, keep_play, load_play, play_path
-from tactiledata.calibrate.learned_plays import example_touches, learned_nodes
 from tactiledata.calibrate.plan import Node, ResponsePlan
-from tactiledata.calibrate.play_progress import PlayProgress
+from tactiledata.calibrate.plays.estimated_plays import estimated_node, is_learned, is_played, middle_node
+from tactiledata.calibrate.plays.kept_plays import Play, keep_play, load_play, play_path
+from tactiledata.calibrate.plays.learned_plays import example_touches, learned_nodes
+from tactiledata.calibrate.plays.play_progress import PlayProgress
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.compute.base import Scheduler
 from tactiledata.compute.local import LocalScheduler

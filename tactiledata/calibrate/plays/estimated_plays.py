@@ -20,8 +20,8 @@ import numpy as np
 
 from tactiledata.arrays import Array
 from tactiledata.calibrate.experiment import KNOWN
-from tactiledata.calibrate.kept_plays import Play
 from tactiledata.calibrate.plan import Node, ResponsePlan
+from tactiledata.calibrate.plays.kept_plays import Play
 from tactiledata.gel.contact.history import FrameStatus
 
 SMALLEST_RATIO, LARGEST_RATIO = 1.0 / 3.0, 3.0

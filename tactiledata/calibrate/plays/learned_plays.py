@@ -21,8 +21,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactiledata.arrays import Array
-from tactiledata.calibrate.estimated_plays import play_of_rows, ratio_of, rows_of
-from tactiledata.calibrate.kept_plays import Play
+from tactiledata.calibrate.plays.estimated_plays import play_of_rows, ratio_of, rows_of
+from tactiledata.calibrate.plays.kept_plays import Play
 from tactiledata.gel.contact.history import GelTouch
 
 FEWEST_EXAMPLES = 8
@@ -264,7 +264,7 @@ class _Normal:
 
     @staticmethod
     def sum(parts: Sequence[_Normal], count: int) -> _Normal:
-        """Sum of the equations of all parts, for ``count`` terms."""
+        """Return the sum of the equations of all parts, for ``count`` terms."""
         whole = _Normal(np.zeros((count, count)), np.zeros(count), 0.0, 0)
         for part in parts:
             whole = _Normal(
@@ -273,18 +273,18 @@ class _Normal:
         return whole
 
     def without(self, part: _Normal) -> _Normal:
-        """These equations without those of a part."""
+        """Return these equations without those of a part."""
         return _Normal(self.gram - part.gram, self.right - part.right, self.square - part.square, self.rows - part.rows)
 
     def solved(self, prior: Array) -> Array:
-        """Weights (k,) that fit best, drawn a little towards a prior."""
+        """Return the weights (k,) that fit best, drawn a little towards a prior."""
         sizes = np.sqrt(np.maximum(np.diag(self.gram), 0.0))
         sizes[sizes == 0.0] = 1.0
         scaled = self.gram / np.outer(sizes, sizes) + RIDGE * np.eye(len(sizes))
         return prior + np.linalg.solve(scaled, (self.right - self.gram @ prior) / sizes) / sizes
 
     def squares(self, weights: Array) -> float:
-        """Sum of the squared errors with these weights."""
+        """Return the sum of the squared errors with these weights."""
         return max(float(self.square - 2 * self.right @ weights + weights @ self.gram @ weights), 0.0)
 
 
