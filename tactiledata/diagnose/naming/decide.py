@@ -24,6 +24,7 @@ from tactiledata.diagnose.naming.metric import RandomEffects, best_imitation, co
 from tactiledata.diagnose.naming.remaining_structure import RemainingStructure
 from tactiledata.diagnose.naming.thresholds import DecisionThresholds
 from tactiledata.diagnose.verdict import Verdict
+from tactiledata.effects import EFFECTS
 
 NONE, OTHER = "none", "other"
 
@@ -163,6 +164,14 @@ def decide(
     if best is not None and crowd:
         reason = f"{len(crowd)} other effects explain nearly as much: these data do not say which it is"
         return Decision(Verdict.NOT_EXPLAINED, best, (), chances, (reason,), left, True)
+    # no name where the data show more of an effect that cannot be claimed
+    outweighing = None if best is None or len(best.names) > 1 else _outweighing(best, ranked, thresholds)
+    if best is not None and outweighing is not None:
+        reason = (
+            f"the evidence of {outweighing.label} is {outweighing.evidence:.0f}, that of {best.label}"
+            f" {best.evidence:.0f}, and {outweighing.label} cannot be claimed"
+        )
+        return Decision(Verdict.NOT_EXPLAINED, best, (), chances, (reason,), left, True)
     # a claim; ties of a pair need further refits and follow in `ties_of_two`
     if best is not None:
         ties = _ties(best, ranked, gains, metric, thresholds) if len(best.names) == 1 else ()
@@ -226,6 +235,29 @@ def _crowd(
         return []
     near = [one for one in ranked if one is not best and one.evidence >= thresholds.crowd_share * best.evidence]
     return near if len(near) >= thresholds.crowd else []
+
+
+def _outweighing(
+    best: ScoredCandidate, ranked: Sequence[ScoredCandidate], thresholds: DecisionThresholds
+) -> ScoredCandidate | None:
+    """Return the single effect that takes the best one's name away, if any.
+
+    It has ``outweighed`` times the evidence, cannot be claimed, and acts in the same slot; or it is any such effect
+    where errors of the simulation resemble the best one. Of several, the one with most evidence is returned.
+    """
+    more = [
+        one
+        for one in ranked
+        if one.evidence > thresholds.outweighed * best.evidence
+        and one.objections(thresholds)
+        and (thresholds.is_resembled(best.names) or _slot(one) == _slot(best))
+    ]
+    return max(more, key=_evidence, default=None)
+
+
+def _slot(single: ScoredCandidate) -> str:
+    """Return the slot in which a single effect acts."""
+    return str(EFFECTS[single.names[0]].slot)
 
 
 def _ties(

@@ -40,7 +40,7 @@ from tactiledata.arrays import Array
 from tactiledata.diagnose.naming.agreement import agreement
 from tactiledata.diagnose.naming.held_out import GroupedCosts
 from tactiledata.diagnose.naming.joint_fit import JointFit
-from tactiledata.diagnose.naming.signatures import MATERIAL
+from tactiledata.diagnose.naming.signatures import MATERIAL, POISSON_RATIO
 from tactiledata.diagnose.naming.thresholds import DecisionThresholds
 from tactiledata.diagnose.residuals.wording import quantity
 
@@ -180,9 +180,10 @@ class ScoredCandidate:
     def objections(self, thresholds: DecisionThresholds) -> tuple[str, ...]:
         """Return sentences that say why the candidate cannot be claimed; empty where it can.
 
-        There are eight: too little evidence; evidence from two trajectories; an uncertain gain; a larger error on
+        There are nine: too little evidence; evidence from two trajectories; an uncertain gain; a larger error on
         indenters that were held out; too little of the excess gone on data that were not fitted; trajectories that do
-        not agree; a signature that the refit has not removed; and strengths that are not plausible.
+        not agree; a signature that the refit has not removed; nu at an end of its range beside an effect that errors of
+        the simulation resemble; and strengths that are not plausible.
         """
         needed, reasons = thresholds.needed(self.names), []
         if self.evidence < needed:
@@ -210,6 +211,11 @@ class ScoredCandidate:
             reasons.append(f"the trajectories do not agree on the effect ({self.signature_before:.1f} standard errors)")
         if abs(self.signature_after) > max(thresholds.signature_threshold, 0.5 * self.signature_before):
             reasons.append("the residual still holds the change that the effect should remove")
+        if POISSON_RATIO in self.at_bounds and thresholds.is_resembled(self.names):
+            reasons.append(
+                f"{POISSON_RATIO} stands at an end of the range that was tried: with the effect or without, the"
+                " simulation follows these data with no plausible gel"
+            )
         return (*reasons, *(f"{name} is not plausible" for name in self.implausible))
 
 

@@ -30,7 +30,9 @@ PARTS = (1.0, 0.25, 0.05)
 """Shares of that step that are tried in turn: soft springs may find no balance with the gel at the whole step."""
 FAINT = 1e-6
 """Root mean square of a signature, in units of the noise, below which the strength counts as changing nothing."""
-MATERIAL = ("E", "nu", "mu")
+POISSON_RATIO = "nu"
+"""Symbol of Poisson's ratio."""
+MATERIAL = ("E", POISSON_RATIO, "mu")
 """Symbols of Young's modulus, Poisson's ratio and the friction coefficient, the first entries of a model's vector."""
 
 

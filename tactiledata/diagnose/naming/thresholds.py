@@ -34,7 +34,7 @@ import numpy as np
 from tactiledata.arrays import Array, Mask
 
 CLAIM_EVIDENCE: Mapping[str, float] = MappingProxyType({
-    "static_friction": 220.0, "arm_compliance": 40.0, "mount_offset": 40.0, "thickness": 35.0,
+    "static_friction": 300.0, "arm_compliance": 40.0, "mount_offset": 40.0, "thickness": 35.0,
     "strain_stiffening": 35.0, "stem_bending": 30.0, "soft_region": 30.0, "dome": 30.0, "skin": 30.0,
     "area_friction": 30.0, "partial_slip": 30.0, "heating": 20.0, "mullins": 20.0, "wear": 20.0, "pad_edge": 20.0,
     "adhesion": 20.0,
@@ -98,6 +98,10 @@ class DecisionThresholds:
         simulation resemble is not named: these data do not say which of them it is.
     crowd_share : float
         See ``crowd``.
+    outweighed : float
+        Multiple of the best candidate's evidence from which another single effect that cannot be claimed takes the name
+        away, if it acts in the same slot, or if errors of the simulation resemble the best one: what the data show most
+        of is then something else.
     trace_share : float
         Share of the needed evidence that is enough for a trace.
     special_case_evidence : float
@@ -136,6 +140,7 @@ class DecisionThresholds:
     tie_share: float = 0.1
     crowd: int = 3
     crowd_share: float = 0.6
+    outweighed: float = 1.5
     trace_share: float = 0.5
     special_case_evidence: float = 5.0
     remainder_share: float = 0.6

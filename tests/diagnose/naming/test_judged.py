@@ -234,6 +234,34 @@ def test_one_of_many_that_errors_resemble_is_not_named():
     assert decided(crowd(EASY, T.crowd, near)).claimed == (EASY,)
 
 
+@pytest.mark.parametrize(
+    ("best", "is_taken"), [("rate_friction", True), ("stem_bending", True), ("lag", False), ("sensor_drift", False)]
+)
+def test_more_evidence_for_what_cannot_be_claimed_takes_a_name_away(best, is_taken):
+    """Static friction takes the name from an effect of its slot, and from one that errors resemble; not from a lag."""
+    outweighing = with_evidence("static_friction", 0.9 * T.claim("static_friction"), change=along(0))
+    assert outweighing.objections(T)
+    for share, is_named in ((1.05, True), (0.95, not is_taken)):
+        named = with_evidence(best, share * outweighing.evidence / T.outweighed, change=along(1))
+        found = decided([outweighing, named])
+        assert found.claimed == ((best,) if is_named else ())
+        assert found.verdict is (Verdict.EXPLAINED if is_named else Verdict.NOT_EXPLAINED)
+    if is_taken:
+        assert "static_friction" in found.objections[0]
+    # what can be claimed itself is a matter of ties, not of outweighing
+    able = with_evidence("static_friction", 1.1 * T.claim("static_friction"), change=along(0))
+    assert decided([able, with_evidence(best, able.evidence / 2, change=along(1))]).claimed == (best,)
+
+
+def test_an_effect_that_errors_resemble_needs_a_plausible_gel():
+    """With nu at an end of its range it is not named; E and mu may stand there, and so may nu beside other effects."""
+    for at_bounds, is_named in ((("nu",), False), (("mu",), True), (("E",), True), ((f"{HARD} time",), True)):
+        found = decided([candidate(HARD, 2.0, at_bounds=at_bounds)])
+        assert found.claimed == ((HARD,) if is_named else ())
+    assert "nu stands at an end" in candidate(HARD, 2.0, at_bounds=("nu",)).objections(T)[0]
+    assert decided([candidate(EASY, 2.0, at_bounds=("nu", "mu"))]).claimed == (EASY,)
+
+
 def pair_beside(first, second, adds):
     """A pair whose evidence is that of the first effect and what the second one adds."""
     return with_evidence((first.label, second.label), first.evidence + adds)
