@@ -110,7 +110,8 @@ def test_who_is_parted_anew_is_counted_and_named(store, count):
     after = parts(load_split(related, "default").table)
     assert [uid for uid, part in before.items() if after[uid] != part] == [row["uid"] for row in moving]
     words = "1 trajectory is" if count == 1 else "3 trajectories are"
-    assert [note for note in notes if note.startswith(f"{words} in another part than before (first {moving[0]['uid']}):")]
+    said = f"{words} in another part than before (first {moving[0]['uid']}):"
+    assert [note for note in notes if note.startswith(said)]
 
 
 def test_other_options_need_another_name_or_replace(store):
