@@ -106,3 +106,46 @@ def test_places_are_those_of_the_stream():
     """Each row holds the place at the frame's time less each delay."""
     expected = np.stack([places(FRAMES - delay) for delay in DELAYS], axis=1)
     np.testing.assert_allclose(EARLIER, expected, atol=2e-6)
+
+
+def test_delays_double_from_10_ms_on_and_mirror_each_other():
+    """10, 20, ... 320 ms, before a frame and after it, and the frame itself, in ascending order."""
+    late = [0.01 * 2**power for power in range(6)]
+    assert list(DELAYS) == pytest.approx([-delay for delay in reversed(late)] + [0.0] + late)
+    assert earlier_places(FRAMES, STREAM[:0], places(STREAM[:0])).shape == (len(FRAMES), len(DELAYS), 3)
+
+
+def late_by_hand(delay, frames, stream, depths):
+    """Forces, N, read late by hand: 1 N at a frame where the tip is deepest, in proportion to its depth there."""
+    stream = np.array(stream)
+    tips = np.column_stack([np.zeros((len(stream), 2)), depths])
+    frames = np.array(frames)
+    at_frames = earlier_places(frames, stream, tips)[:, DELAYS.index(0.0)]
+    felt = np.zeros((len(frames), 6))
+    felt[:, 2] = at_frames[:, 2] / np.max(depths)
+    return delayed_along(frames, felt, at_frames, earlier_places(frames, stream, tips), delay)[:, 2]
+
+
+@pytest.mark.parametrize("delay", [-0.32, -0.25, -0.17])
+def test_a_wrench_that_comes_early_by_a_quarter_of_a_second_follows_the_path(delay):
+    """1 mm between 0.9 and 1.1 s: at 0.7 s it reads what the tip reaches 160 and 320 ms later, and between these."""
+    found = late_by_hand(delay, [0.0, 0.7, 2.0], [0.0, 0.9, 1.1, 3.0], [0.0, 0.0, 1e-3, 1e-3])
+    share = (-delay - 0.16) / 0.16
+    assert found[1] == pytest.approx(share * 0.6)
+
+
+@pytest.mark.parametrize(
+    ("delay", "expected"), [(0.16, [0.0, 0.84]), (-0.16, [0.16, 1.0])], ids=["before the first", "after the last"]
+)
+def test_moments_without_frames_around_them_hold_the_nearest(delay, expected):
+    """Deep at 0.84 s, before the first frame, and shallow at 2.16 s, after the last: neither was a frame's."""
+    stream = [0.0, 0.85, 0.86, 1.0, 2.0, 2.1, 2.11, 3.0]
+    found = late_by_hand(delay, [1.0, 2.0], stream, [1e-3, 1e-3, 0.0, 0.0, 1e-3, 1e-3, 0.0, 0.0])
+    assert found == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(("way", "expected"), [(2.9e-6, 0.84), (3.1e-6, 1.0)])
+def test_a_tip_that_moves_less_than_3_micrometres_stands(way, expected):
+    """A jump of the pose between two frames: below 3 um the wrench follows the time, above it the path."""
+    found = late_by_hand(0.16, [1.0, 2.0], [0.0, 1.5, 1.501, 3.0], [0.0, 0.0, way, way])
+    assert found[1] == pytest.approx(expected)
