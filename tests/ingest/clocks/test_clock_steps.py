@@ -220,6 +220,27 @@ def test_a_forced_header_that_jumps_is_damage():
     assert "clock-jump" in {finding.code for finding in timed.findings}
 
 
+@pytest.mark.parametrize("seconds", [2, 5, 60])
+@pytest.mark.parametrize("constant", [0, 2_000_000])
+def test_log_times_that_are_copies_of_the_header_attest_no_jump(seconds, constant):
+    """A converter that writes header stamps as log times carries a jump over: the other streams tell it all the same.
+
+    Log times with a jitter of their own that pause as long are a recorder's, and attest a pause.
+    """
+    header = TRUE + np.where(np.arange(6000) >= 2500, seconds * SECOND, 0)
+    whole = recording(TRUE)
+
+    def timed(log):
+        wrench = dataclasses.replace(whole.signals["wrench"], stamps=Stamps(log, None, header))
+        return put_on_host_clock(dataclasses.replace(whole, signals={**whole.signals, "wrench": wrench}))
+
+    copied = timed(header + constant)
+    assert codes(copied) == ["clock-jump"]
+    assert (copied.signals["wrench"].values == VALUES[:2500]).all()
+    jitter = np.random.default_rng(1).integers(0, 200_000, 6000)
+    assert "clock-jump" not in codes(timed(header + constant + jitter))
+
+
 def rewritten(log, folder, change, *tables):
     """A copy of a folder log whose rows of wrench.csv (or other tables) went through ``change``."""
     copy_tree(log, folder)
