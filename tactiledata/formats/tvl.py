@@ -32,6 +32,8 @@ from tactiledata.formats.reading.intake import Intake
 from tactiledata.formats.reading.modality import DECISION, look_of, votes_tactile
 from tactiledata.formats.reading.natural_order import last_number, natural_key
 
+HCT = "hct"
+"""The folder that holds several parts; the other part, ``ssvtp``, lies beside it."""
 TABLES = ("train.csv", "test.csv")
 LISTS = {"contact.json": 1.0, "not_contact.json": 0.0}
 IMAGES = (".jpg", ".jpeg", ".png")
@@ -116,7 +118,10 @@ ssvtp/{images_tac/image_<n>_tac.jpg, images_rgb/image_<n>_rgb.jpg, text/labels_<
 
 
 def _parts(path: Path) -> Iterator[Path]:
-    for folder in subfolders(path, 2, lambda name: name in ("images_tac", "images_rgb", "text")):
+    """Folders of parts: `ssvtp`, and those below `hct`, which lie one level deeper than it."""
+    for folder in subfolders(path, 3, lambda name: name in ("images_tac", "images_rgb", "text")):
+        if len(folder.relative_to(path).parts) == 3 and folder.parent.name != HCT:
+            continue
         if _is_ssvtp(folder) or any(_has_columns(folder / table) for table in TABLES) or _has_lists(folder):
             yield folder
 

@@ -9,7 +9,7 @@ import re
 from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, ClassVar, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from tactiledata.contract.description import LOG_FORMAT, LogDescription
 from tactiledata.contract.records import ImageSink, Recording, Signal, Source, Trajectory
 from tactiledata.contract.simulated import Kind
+from tactiledata.contract.wording import listed
 from tactiledata.errors import BrokenLog, MissingFile, UsageError
 from tactiledata.formats.base import Format, Inspection, TopicInfo
 from tactiledata.formats.reading.intake import Intake, Payload
@@ -27,6 +28,8 @@ SECOND = 10**9
 """Nanoseconds."""
 NOMINAL_RATE = 30
 """Hz, where a corpus gives the order of its frames and no times: the rate that the DIGIT's driver defaults to."""
+DEEP = 4
+"""Levels below a source at which its files lie, at most."""
 PAUSE_NS = SECOND
 """Put between the trajectories of a corpus without a clock, so that they do not touch."""
 
@@ -198,6 +201,9 @@ def raise_empty(source: Source, expected: str) -> NoReturn:
 class CorpusFormat(Format):
     """A format whose sources are walked once, to read them or to see what they hold."""
 
+    says_links: ClassVar[bool] = True
+    """Whether links below a source, which are not followed, are said here; else the format says so itself."""
+
     @abstractmethod
     def record(self, source: Source, intake: Intake, mapping: Mapping[str, Any] | None) -> Recording:
         """The recording, its images given to the intake.
@@ -270,6 +276,8 @@ class CorpusFormat(Format):
         references : dict, optional
             Pictures without contact (height, width, 3) uint8 with their origin, by sensor.
         """
+        if self.says_links:
+            _note_links(source, intake)
         pictures = references or {}
         return Recording(
             source,
@@ -308,6 +316,27 @@ class CorpusFormat(Format):
             raise MissingFile(f"{path} does not exist", f"a file or folder of {self.title}", path=str(path))
         if not self.sniff(path):
             raise UsageError(f"{path} is not of format {self.name}", self.layout.strip(), path=str(path))
+
+
+def _links_in(folder: Path) -> list[Path]:
+    """Links to files and folders, whether they lead anywhere or not."""
+    try:
+        return [path for path in folder.iterdir() if path.is_symlink()]
+    except OSError:
+        return []
+
+
+def _note_links(source: Source, intake: Intake) -> None:
+    """Say that links were not followed: in a copy whose content was not fetched they stand for images."""
+    place = Path(source.path) / source.part
+    if not place.is_dir():
+        return
+    found = [path for folder in subfolders(place, DEEP) for path in _links_in(folder)]
+    links = sorted((path.relative_to(place).as_posix() for path in found), key=natural_key)
+    if links:
+        are = "is a link, which is" if len(links) == 1 else "are links, which are"
+        text = f"{listed(links, 5)} {are} not followed; fetch or copy the files into the folder"
+        intake.note("link-left", "warning", text, count=len(links))
 
 
 def _camera_info(name: str, count: int, first: int, last: int, example: str) -> TopicInfo:
