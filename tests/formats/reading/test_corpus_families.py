@@ -187,7 +187,8 @@ def test_hdf5_and_pickle_of_others_are_not_claimed(tmp_path):
 
 
 @pytest.mark.parametrize(("name", "files", "count"), [
-    ("objectfolder_real", "tactile_data/*/0/gelsight/1?.png", 4), ("fota", "train/*.tar", 3), ("sparsh_force", "*digit_01.pkl", 1),
+    ("objectfolder_real", "tactile_data/*/0/gelsight/1?.png", 4), ("fota", "train/*.tar", 3),
+    ("sparsh_force", "*digit_01.pkl", 1),
 ])  # fmt: skip
 @pytest.mark.parametrize("target", ["nowhere", "a file elsewhere"])
 def test_files_that_are_links_are_said(tmp_path, name, files, count, target):
