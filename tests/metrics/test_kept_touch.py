@@ -127,3 +127,11 @@ def test_a_mask_is_blurred_alike_along_rows_and_columns():
     assert mask.any()
     assert not mask.all()
     assert (touched(np.ascontiguousarray(change.transpose(0, 2, 1, 3))) == mask.transpose(0, 2, 1)).all()
+
+
+def test_a_change_of_8_grey_levels_is_a_touch():
+    """The blur keeps a change that is the same everywhere: 8 grey levels are a touch, a little less is none."""
+    change = np.zeros((1, 16, 16, 3), np.float32)
+    change[..., 1] = 8.0
+    assert touched(change).all()
+    assert not touched(change * np.float32(0.999)).any()
