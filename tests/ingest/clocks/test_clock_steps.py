@@ -153,6 +153,16 @@ def test_streams_that_pause_together_are_no_evidence():
     assert judge_steps("wrench", t_ns, VALUES, [*together, Witness(2, START, int(TRUE[-1]))]).kept.sum() == 2000
 
 
+@pytest.mark.parametrize(("usual_ms", "back_ms", "is_jump"), [(100, 600, True), (100, 300, False), (10, 320, True)])
+def test_a_slow_stream_goes_back_from_three_samples_on(usual_ms, back_ms, is_jump):
+    """Images at 10 Hz that go back by 0.6 s stand twice; steps forward are pauses up to twenty samples."""
+    true = START + np.arange(400) * usual_ms * 1_000_000
+    t_ns = true - np.where(np.arange(400) >= 200, back_ms * 1_000_000, 0)
+    judged = judge_steps("digit", t_ns, VALUES[:400], [Witness(1, int(true[0]), int(true[-1]))])
+    assert (codes(judged) == ["clock-jump"]) == is_jump
+    assert judged.kept.sum() == (200 if is_jump else 400)
+
+
 def test_late_rows_and_copies_are_no_jumps():
     """Negative control: rows that were written late fill a hole, and rows written twice stand at one time."""
     late = np.r_[0:1000, 1500:3000, 1000:1500, 3000:6000]
