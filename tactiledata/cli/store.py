@@ -90,7 +90,7 @@ def check(
     decode: bool = typer.Option(
         False,
         "--decode",
-        help="Also decode every image, which is slow and finds damage from before ingest; in a JPEG, only a part of it.",
+        help="Also decode every image: slow, and finds damage from before ingest; in a JPEG, only a part of it.",
     ),
     as_json: bool = JSON_OPTION,
 ) -> None:

@@ -21,6 +21,7 @@ from tactiledata.contract.wording import listed
 from tactiledata.errors import BrokenLog, MissingFile, UsageError
 from tactiledata.formats.base import Format, Inspection, TopicInfo
 from tactiledata.formats.reading.intake import Intake, Payload
+from tactiledata.formats.reading.links import links_below
 from tactiledata.formats.reading.natural_order import natural_key
 from tactiledata.formats.reading.stream_rate import has_times, rate_of
 
@@ -318,21 +319,9 @@ class CorpusFormat(Format):
             raise UsageError(f"{path} is not of format {self.name}", self.layout.strip(), path=str(path))
 
 
-def _links_in(folder: Path) -> list[Path]:
-    """Links to files and folders, whether they lead anywhere or not."""
-    try:
-        return [path for path in folder.iterdir() if path.is_symlink()]
-    except OSError:
-        return []
-
-
 def _note_links(source: Source, intake: Intake) -> None:
     """Say that links were not followed: in a copy whose content was not fetched they stand for images."""
-    place = Path(source.path) / source.part
-    if not place.is_dir():
-        return
-    found = [path for folder in subfolders(place, DEEP) for path in _links_in(folder)]
-    links = sorted((path.relative_to(place).as_posix() for path in found), key=natural_key)
+    links = links_below(Path(source.path) / source.part, DEEP)
     if links:
         are = "is a link, which is" if len(links) == 1 else "are links, which are"
         text = f"{listed(links, 5)} {are} not followed; fetch or copy the files into the folder"
