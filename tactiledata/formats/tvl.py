@@ -59,7 +59,7 @@ class _Sequence:
 
 
 class TvlFormat(CorpusFormat):
-    """TVL: one source per part (``ssvtp``, and one level deeper ``hct/data1`` …), one trajectory per recorded folder."""
+    """TVL: one source per part (``ssvtp``, and one level deeper ``hct/data1`` …), a trajectory per recorded folder."""
 
     name = "tvl"
     title = "TVL (touch, vision, language; DIGIT)"
