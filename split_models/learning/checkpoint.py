@@ -132,7 +132,7 @@ class Checkpoint:
         for name, weights in self.weights.items():
             if torch.is_tensor(weights) and not bool(torch.isfinite(weights).all()):
                 raise CheckpointError(
-                    f"weights {name} of a {self.kind} hold NaN or infinity",
+                    f"weights {name} of the {self.kind} hold NaN or infinity",
                     "finite numbers",
                     "The file is damaged, or its training diverged. Fetch it again, or train it again.",
                 )

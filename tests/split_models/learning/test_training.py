@@ -220,7 +220,7 @@ def test_weights_that_are_no_numbers_are_refused(value):
     checkpoint = Checkpoint.of(objective().network, STAMPS)
     name = next(iter(checkpoint.weights))
     checkpoint.weights[name].reshape(-1)[0] = value
-    with pytest.raises(CheckpointError, match=f"weights {name} of a projection hold NaN or infinity"):
+    with pytest.raises(CheckpointError, match=f"weights {name} of the projection hold NaN or infinity"):
         checkpoint.network()
 
 
