@@ -185,7 +185,8 @@ class StoreReadings:
     def _signal(self, stream: str, spans: Mapping[str, Any]) -> StoredSignal | None:
         """Return the finite rows of a stream, such as ``"wrench"``, in one trajectory; ``None`` where there are none.
 
-        Poses whose quaternion is no rotation, such as zeros in place of a lost pose, are left out, too. ``spans`` holds the first and last row of each signal of the trajectory.
+        Poses whose quaternion is no rotation, such as zeros in place of a lost pose, are left out, too. ``spans``
+        holds the first and last row of each signal of the trajectory.
         """
         name = next((name for name in spans if name.partition("@")[0] == stream), None)
         if name is None or spans[name][0] == spans[name][1]:

@@ -87,7 +87,7 @@ def clock_findings(description: LogDescription, streams: Collection[str]) -> lis
             f"clocks.{name} is of no stream of the recording, so that what it states was used for nothing{meant} "
             f"Images of all cameras go by {FRAMES}"
         )
-        found.append(Finding("clock-unknown", "warning", text, count=1))
+        found.append(Finding("clock-unknown", "warning", text))
     return found
 
 
