@@ -34,7 +34,7 @@ def test_the_largest_of_several_is_named():
     [finding] = said([*JUMPED[:2], (0, 50), (-2.5, 250), (1.5, 100), (0, 300)], [400, 800])
     assert finding.count == 2
     assert finding.start_ns == START + 400 * 10_000_000
-    assert "at 2 stated tare events (the first at" in finding.message
+    assert f"at 2 stated tare events (the first at {finding.start_ns} ns)" in finding.message
     assert "zero after them" in finding.message
     assert re.search(r"up to (3\.9|4\.0)\d N", finding.message)
 
