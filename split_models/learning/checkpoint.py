@@ -127,8 +127,15 @@ class Checkpoint:
         Raises
         ------
         CheckpointError
-            The weights do not fit the settings.
+            The weights do not fit the settings, or are no finite numbers.
         """
+        for name, weights in self.weights.items():
+            if torch.is_tensor(weights) and not bool(torch.isfinite(weights).all()):
+                raise CheckpointError(
+                    f"weights {name} of the {self.kind} hold NaN or infinity",
+                    "finite numbers",
+                    "The file is damaged, or its training diverged. Fetch it again, or train it again.",
+                )
         try:
             network: Network = KINDS[self.kind].rebuilt(self.settings, self.extras, self.topology)
             network.load_state_dict(dict(self.weights))

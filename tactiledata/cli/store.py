@@ -88,7 +88,9 @@ def check(
     store: str = STORE_ARGUMENT,
     repair: bool = typer.Option(False, "--repair", help="Repair damage that can be repaired without inventing data."),
     decode: bool = typer.Option(
-        False, "--decode", help="Also decode every image, which is slow and finds damage that checksums cannot."
+        False,
+        "--decode",
+        help="Also decode every image: slow, and finds damage from before ingest; in a JPEG, only a part of it.",
     ),
     as_json: bool = JSON_OPTION,
 ) -> None:

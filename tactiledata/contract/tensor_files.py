@@ -11,6 +11,7 @@ import re
 import struct
 import warnings
 import zipfile
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -57,10 +58,19 @@ def read_tensors(path: Path, refused: str, kind: type[TactileDataError]) -> Any:
     Raises
     ------
     TactileDataError
-        Of that class; what PyTorch said is not shown with it.
+        Of that class, also where a part does not fit its checksum; what PyTorch said is not shown with it.
     """
     import torch
 
+    part = _damaged_part(path)
+    if part:
+        # PyTorch does not look at the checksums that it writes: a flipped bit would be another weight
+        raise kind(
+            f"{path} {refused}: its part {part} does not fit its CRC-32",
+            "the file that was written",
+            FETCH_AGAIN,
+            path=str(path),
+        )
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -73,6 +83,17 @@ def read_tensors(path: Path, refused: str, kind: type[TactileDataError]) -> Any:
             remedy,
             path=str(path),
         ) from None
+
+
+def _damaged_part(path: Path) -> str:
+    """Name of the first part of an archive that does not fit its CRC-32; empty where there is none to be found."""
+    try:
+        if not zipfile.is_zipfile(path):
+            return ""
+        with zipfile.ZipFile(path) as archive:
+            return archive.testzip() or ""
+    except (*FAULTS, zlib.error):
+        return ""  # what cannot be unpacked is refused in words by `read_tensors`
 
 
 def refusal(path: Path, error: Exception) -> tuple[str, str]:

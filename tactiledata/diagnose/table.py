@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from tactiledata.diagnose.answer.formula_page import explanation_page
 from tactiledata.diagnose.formula.explain import Explanation, explain
 from tactiledata.diagnose.locate.gate import NoiseModel
 from tactiledata.diagnose.locate.locate import LocateOptions
-from tactiledata.diagnose.table_input.read import read_table
+from tactiledata.diagnose.table_input.read import doubts_of, read_table
 from tactiledata.diagnose.table_input.residuals_of import Table, residuals_of
 
 NOISE_DOUBT = 0.1
@@ -50,6 +51,7 @@ def diagnose_table(
         The table holds too little, or scikit-learn is not installed.
     """
     table = residuals_of(read_table(path), columns, group)
+    table = replace(table, notes=(*doubts_of(path), *table.notes))
     meanings = table.columns
     noise = NoiseModel(meanings.noise_correlation, NOISE_DOUBT) if table.is_noise_known else None
     options = LocateOptions(meanings.order, meanings.plane, noise, seed)

@@ -59,6 +59,7 @@ class ImageFolderFormat(CorpusFormat):
     """
 
     name = "image_folder"
+    says_links = False
     title = "folder of images"
     layout = """
 <folder>/*.png|jpg      one frame each, in natural order

@@ -59,7 +59,7 @@ class _Sequence:
 
 
 class TvlFormat(CorpusFormat):
-    """TVL: one source per part (``hct/data1`` …, ``ssvtp``), one trajectory per recorded folder."""
+    """TVL: one source per part (``ssvtp``, and one level deeper ``hct/data1`` …), a trajectory per recorded folder."""
 
     name = "tvl"
     title = "TVL (touch, vision, language; DIGIT)"
@@ -116,7 +116,8 @@ ssvtp/{images_tac/image_<n>_tac.jpg, images_rgb/image_<n>_rgb.jpg, text/labels_<
 
 
 def _parts(path: Path) -> Iterator[Path]:
-    for folder in subfolders(path, 2, lambda name: name in ("images_tac", "images_rgb", "text")):
+    below = subfolders(path, 3, lambda name: name in ("images_tac", "images_rgb", "text"))
+    for folder in (one for one in below if one.parent.name == "hct" or len(one.relative_to(path).parts) < 3):
         if _is_ssvtp(folder) or any(_has_columns(folder / table) for table in TABLES) or _has_lists(folder):
             yield folder
 
@@ -161,8 +162,7 @@ def _listed(folder: Path, intake: Intake) -> list[_Pair]:
         elif not pair.table:
             known.contact = pair.contact  # the list adds to what the table says
         else:
-            found = f"{pair.table}: {pair.tactile} is listed again; the first row counts"
-            intake.note("duplicate-key", "warning", found, pair.table)
+            intake.note("duplicate-key", "warning", f"{pair.table}: {pair.tactile} again; the first counts", pair.table)
     if _is_ssvtp(folder):
         for pair in _from_folders(folder, intake):
             pairs.setdefault(pair.tactile, pair)

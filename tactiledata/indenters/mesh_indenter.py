@@ -149,7 +149,12 @@ def load_mesh_indenter(entry: Mapping[str, Any], folder: Path | None, where: str
             f"{where} states the unit {unit!r} for the mesh {name!r}", f"one of: {', '.join(UNITS)}", path=where
         )
     if folder is None:
-        raise SchemaError(f"{where} names the mesh {name!r} in a document without a folder", "a shape", path=where)
+        raise SchemaError(
+            f"{where} names the mesh {name!r} in a document without a folder",
+            "the folder of the mesh files that recordings name",
+            "A store holds no meshes of indenters: name the folder with --indenters FOLDER.",
+            path=where,
+        )
     # what the file holds
     path = path_inside(folder, name, where)
     with np.errstate(over="ignore", invalid="ignore"):  # absurd numbers are what the checks are for

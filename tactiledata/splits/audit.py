@@ -17,6 +17,7 @@ from tactiledata.contract.records import Finding
 from tactiledata.contract.wording import agreeing, counted
 from tactiledata.errors import SchemaError, StoreError
 from tactiledata.splits import leaks, moment_leaks
+from tactiledata.splits.again import command
 from tactiledata.splits.copies import Portrait, compare_images, sensor_noise
 from tactiledata.splits.fingerprints import CELLS, fingerprint, near_pairs
 from tactiledata.splits.groups import codes
@@ -50,11 +51,14 @@ class AuditReport:
         Severity "damage" is a leak, or a split that cannot be trusted.
     checked : dict
         How many trajectories, frames, images and pairs of near images were looked at.
+    again : str
+        The command that brings the split up to date.
     """
 
     name: str
     findings: tuple[Finding, ...]
     checked: dict[str, int]
+    again: str = "tactiledata split"
 
     @property
     def leaks(self) -> tuple[Finding, ...]:
@@ -89,7 +93,7 @@ class AuditReport:
         leaks = f"{counted(len(kinds), 'kind')} of leak" if kinds else "no leak found"
         empty = [finding for finding in self.findings if finding.code == "split-empty-part"]
         leaks += f", but {empty[0].message.partition(':')[0]}" if empty else ""
-        stale = "out of date: the store holds other trajectories; run `tactiledata split` again; "
+        stale = f"out of date: the store holds other trajectories; run `{self.again}` again; "
         return (stale if "split-out-of-date" in codes else "") + leaks
 
 
@@ -117,17 +121,20 @@ def audit(store: Store, name: str = "default", images: bool = True, progress: Pr
         return AuditReport(name, (Finding("split-changed", "damage", message),), {})
     trajectories = store.trajectories(list(AUDIT_TRAJECTORY_COLUMNS))
     frames = store.frames(list(AUDIT_FRAME_COLUMNS))
-    found = audit_tables(split, trajectories, frames)
+    again = command(store.location, name, split.document["options"])
+    found = audit_tables(split, trajectories, frames, again)
     checked = {"trajectories": trajectories.num_rows, "frames": frames.num_rows}
     if images:
         part = leaks.partition_codes(partition_rows(split, trajectories["uid"]))
         more, counts = _audit_images(store, frames, split, part, progress)
         found += more
         checked |= counts
-    return AuditReport(name, tuple(found), checked)
+    return AuditReport(name, tuple(found), checked, again)
 
 
-def audit_tables(split: Split, trajectories: pa.Table, frames: pa.Table) -> list[Finding]:
+def audit_tables(
+    split: Split, trajectories: pa.Table, frames: pa.Table, again: str = "tactiledata split"
+) -> list[Finding]:
     """What leaks as the tables show it.
 
     Parameters
@@ -135,10 +142,12 @@ def audit_tables(split: Split, trajectories: pa.Table, frames: pa.Table) -> list
     split : Split
     trajectories, frames : pa.Table
         The columns ``AUDIT_TRAJECTORY_COLUMNS`` and ``AUDIT_FRAME_COLUMNS``.
+    again : str
+        The command that brings the split up to date, for the message.
     """
     found: list[Finding] = []
     if problem := coverage_problem(split, trajectories["uid"]):
-        message = f"the split and the store do not hold the same trajectories: {problem}; run `tactiledata split` again"
+        message = f"the split and the store do not hold the same trajectories: {problem}; run `{again}` again"
         found.append(Finding("split-out-of-date", "damage", message))
     partition = partition_rows(split, trajectories["uid"])
     part = leaks.partition_codes(partition)

@@ -43,6 +43,13 @@ def test_colour_types_of_png(colour, bits, channels, said_bits, has_alpha):
     assert facts(png(3, 5, bits, colour)) == (3, 5, channels, said_bits, has_alpha, True)
 
 
+@pytest.mark.parametrize("cut", range(16 + 1))
+def test_a_png_cut_within_its_last_chunks_is_incomplete(cut):
+    """Cut in the end mark or in the CRC-32 before it, the chunk that is torn is an end that is missing, not damage."""
+    payload = png(3, 5, 8, 2, chunk(b"IDAT", b"content"))
+    assert read_header(payload[: len(payload) - cut]).is_complete == (cut == 0)
+
+
 @pytest.mark.parametrize("colour", [1, 5, 7])
 def test_other_colour_types_are_refused(colour):
     """The numbers between have no meaning."""

@@ -37,6 +37,23 @@ def test_tensors_and_plain_values_come_back(tmp_path):
     assert found["weights"].device.type == "cpu"
 
 
+@pytest.mark.parametrize("bit", [0, 7])
+@pytest.mark.parametrize("row", [0, 999])
+def test_a_flipped_bit_of_a_weight_is_found(tmp_path, row, bit):
+    """PyTorch reads such a file without a word, and the weight is another number."""
+    path = tmp_path / "x.pt"
+    weights = torch.arange(1.0, 1001.0)
+    torch.save({"weights": weights}, path)
+    content = bytearray(path.read_bytes())
+    content[content.index(weights.numpy().tobytes()) + 4 * row + 3] ^= 1 << bit
+    path.write_bytes(content)
+    assert torch.load(path, weights_only=True)["weights"][row] != weights[row]
+    with pytest.raises(CheckpointError, match=r"x\.pt cannot be read: its part \S+ does not fit its CRC-32") as caught:
+        read_tensors(path, "cannot be read", CheckpointError)
+    assert caught.value.facts["path"] == str(path)
+    assert str(caught.value).endswith(FETCH)
+
+
 def test_a_refusal_names_the_file_and_hides_what_pytorch_said(tmp_path):
     """The error's class is the one asked for, its facts hold the path, and no other error is shown with it."""
     path = tmp_path / "x.pt"

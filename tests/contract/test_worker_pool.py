@@ -9,7 +9,7 @@ import time
 import psutil
 import pytest
 
-from tactiledata.contract.worker_pool import worker_pool
+from tactiledata.contract.worker_pool import shared_queue, worker_pool
 
 SECONDS = 10.0
 """Within which a worker must be gone; tasks take far longer."""
@@ -96,3 +96,15 @@ def test_a_block_without_an_error_finishes_what_was_submitted():
     pids = {future.result(timeout=0) for future in futures}
     assert os.getpid() not in pids
     assert not any(psutil.pid_exists(pid) for pid in pids)
+
+
+def test_a_shared_queue_brings_what_tasks_say():
+    """A task of a worker puts, the parent gets; behind the block the process that kept the queue is gone."""
+    before = set(workers_of(os.getpid()))
+    with shared_queue() as said:
+        keepers = [child for child in workers_of(os.getpid()) if child not in before]
+        with worker_pool(1) as pool:
+            pool.submit(said.put, "three").result(START_SECONDS)
+        assert said.get(timeout=START_SECONDS) == "three"
+    assert len(keepers) == 1
+    assert not psutil.wait_procs(keepers, timeout=SECONDS)[1]

@@ -16,7 +16,7 @@ from tactiledata.contract.schema import check_document
 from tactiledata.diagnose.formula.terms import atoms
 from tactiledata.diagnose.table import diagnose_table, write_diagnosis
 from tactiledata.diagnose.table_input.columns import columns_of, split_unit
-from tactiledata.diagnose.table_input.read import read_table
+from tactiledata.diagnose.table_input.read import doubts_of, read_table
 from tactiledata.diagnose.table_input.residuals_of import residuals_of
 from tactiledata.errors import MissingFile, TactileDataError, UnknownName, UsageError
 
@@ -245,6 +245,28 @@ def test_groups_of_one_row_are_enough(tmp_path):
     _, explanation, document = diagnose_table(saved(tmp_path, table))
     assert explanation.located.leading[0].covariate == "speed"
     assert "zero" in document["gap"]["floor_is"]
+
+
+@pytest.mark.parametrize(("end", "is_said"), [("\n", False), ("\r\n", False), ("", True)])
+@pytest.mark.parametrize("ending", ["csv", "tsv"])
+def test_a_last_line_without_its_end_is_said(tmp_path, end, is_said, ending):
+    """A file that was cut inside its last number reads as a whole one: nobody can tell, and the notes say so."""
+    path = tmp_path / f"presses.{ending}"
+    text = presses().to_csv(index=False, sep="," if ending == "csv" else "\t")
+    path.write_bytes((text.rstrip("\n") + end).encode())
+    assert len(read_table(path)) == len(presses())
+    assert [f"the last line of presses.{ending} has no line end" in note for note in doubts_of(path)] == [
+        True
+    ] * is_said
+    presses().to_parquet(tmp_path / "presses.parquet")
+    assert not doubts_of(tmp_path / "presses.parquet")
+
+
+def test_a_doubt_of_the_file_stands_among_the_notes(tmp_path):
+    """The notes of the answer begin with it."""
+    path = tmp_path / "presses.csv"
+    path.write_text(presses(trials=12).to_csv(index=False).rstrip("\n"))
+    assert "has no line end" in diagnose_table(path)[0].notes[0]
 
 
 def test_rows_that_stand_twice_count_once():

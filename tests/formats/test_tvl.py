@@ -42,6 +42,18 @@ def test_parts_and_pairs(tmp_path):
     assert names == ["0", "1", "2", "3", "4", "5"]
 
 
+@pytest.mark.parametrize("above", range(4))
+def test_all_parts_are_found_from_above(tmp_path, above):
+    """From a folder above the corpus every part is found or none, which is then looked for further below.
+
+    From one level above, the parts below ``hct`` were passed over without a word.
+    """
+    root = tvl.write(tmp_path / "a" / "b", np.random.default_rng(4), parts=("data1", "data2"))
+    named = [root, *root.parents][above]
+    found = {Path(source.path).name for source in FORMAT.sources(named)} if FORMAT.sniff(named) else set()
+    assert found == ({"data1", "data2", "ssvtp"} if above <= 1 else set())
+
+
 def test_published_split_is_undone_and_kept(tmp_path):
     """Sequences that train.csv and test.csv share are one trajectory; the published part stays as a value."""
     recording, sink = first(tmp_path)

@@ -51,7 +51,7 @@ def test_impossible_size_is_refused(value):
         ({"shape": "dots", "pitch": 0.001}, "2 \\* pin_radius < pitch"),
         ({"shape": "dots", "length": 0.003}, "pin_length \\+ pin_radius <= length"),
         ({"mesh": "part.stl"}, "without its unit"),
-        ({"mesh": "part.stl", "unit": "mm"}, "without a folder"),
+        ({"mesh": "part.stl", "unit": "mm"}, "without a folder; expected the folder .* --indenters FOLDER"),
     ],
 )
 def test_bad_entry_says_what_is_wrong(entry, says):

@@ -117,3 +117,21 @@ def test_where_nothing_was_touched_nothing_can_be_kept(square):
     for ours in (square, np.zeros_like(square)):
         for score in (strength, correlation, overlap):
             assert np.isnan(score(ours, np.zeros_like(square))).all()
+
+
+def test_a_mask_is_blurred_alike_along_rows_and_columns():
+    """The mask of a change that is turned by a quarter is the turned mask."""
+    change = np.zeros((1, 64, 64, 3), np.float32)
+    change[0, 20:30, 20:50] = np.random.default_rng(0).uniform(0.0, 40.0, (10, 30, 3))
+    mask = touched(change)
+    assert mask.any()
+    assert not mask.all()
+    assert (touched(np.ascontiguousarray(change.transpose(0, 2, 1, 3))) == mask.transpose(0, 2, 1)).all()
+
+
+def test_a_change_of_8_grey_levels_is_a_touch():
+    """The blur keeps a change that is the same everywhere: 8 grey levels are a touch, a little less is none."""
+    change = np.zeros((1, 16, 16, 3), np.float32)
+    change[..., 1] = 8.0
+    assert touched(change).all()
+    assert not touched(change * np.float32(0.999)).any()

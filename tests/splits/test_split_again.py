@@ -9,6 +9,7 @@ from split_cases import MemoryStore, frames, many, parts, trajectories
 
 from tactiledata.contract.take import FrameFlag
 from tactiledata.errors import LeakError, StoreError, UsageError
+from tactiledata.splits.audit import audit
 from tactiledata.splits.make import make_split
 from tactiledata.splits.manifest import load_split
 
@@ -49,6 +50,21 @@ def test_the_command_that_is_named_brings_it_up_to_date(tmp_path, options):
     now = parts(load_split(bigger, name).table)
     assert len(now) == 60
     assert {uid: now[uid] for uid in before} == before
+
+
+def test_the_audit_names_the_command_that_brings_it_up_to_date(tmp_path):
+    """The store, the name of the split and its options stand in the finding and in the sentence for people."""
+    rows = many(60)
+    make_split(MemoryStore(tmp_path / "my store.zarr", trajectories(rows[:50])), seed=7, name="other")
+    bigger = MemoryStore(tmp_path / "my store.zarr", trajectories(rows))
+    report = audit(bigger, "other", images=False)
+    [finding] = [one for one in report.findings if one.code == "split-out-of-date"]
+    for said in (finding.message, report.lines()[0]):
+        line = re.search("`(.*?)`", said)[1]
+        assert shlex.split(line)[2] == str(tmp_path / "my store.zarr")
+        assert typed(line) == {"seed": 7, "name": "other"}
+    make_split(bigger, **typed(line))
+    assert not audit(bigger, "other", images=False).findings
 
 
 def test_other_options_are_refused_with_those_that_were_meant(tmp_path):

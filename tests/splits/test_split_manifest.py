@@ -95,6 +95,25 @@ def test_growth_keeps_parts_and_held_out_units(store):
     assert {uid: after[uid] for uid in before} == before
 
 
+@pytest.mark.parametrize("count", [1, 3])
+def test_who_is_parted_anew_is_counted_and_named(store, count):
+    """Trajectories that turn out to be made of one in another part go there, and the note names the first of them."""
+    make_split(store)
+    before = parts(load_split(store, "default").table)
+    rows = store.table.to_pylist()
+    first_part = before[rows[0]["uid"]]
+    moving = [row for row in rows if before[row["uid"]] != first_part][:count]
+    for row in moving:
+        row["parent"] = rows[0]["uid"]
+    related = MemoryStore(store.folder, trajectories(rows))
+    notes = make_split(related).notes
+    after = parts(load_split(related, "default").table)
+    assert [uid for uid, part in before.items() if after[uid] != part] == [row["uid"] for row in moving]
+    words = "1 trajectory is" if count == 1 else "3 trajectories are"
+    said = f"{words} in another part than before (first {moving[0]['uid']}):"
+    assert [note for note in notes if note.startswith(said)]
+
+
 def test_other_options_need_another_name_or_replace(store):
     """A split is not silently made anew with other options."""
     make_split(store, seed=0)

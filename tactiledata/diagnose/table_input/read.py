@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import os
 from collections import Counter
 from numbers import Number
 from pathlib import Path
@@ -18,6 +19,7 @@ SEPARATORS = {".csv": ",", ".tsv": "\t"}
 """Separator of the fields, by the ending of the file's name."""
 GZIP = b"\x1f\x8b"
 """First bytes of a file that gzip compressed."""
+LINE_ENDS = (b"\n", b"\r")
 BLOCK = 2**20
 """Bytes of a text that are looked at together."""
 OTHER_SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars"}
@@ -69,6 +71,22 @@ def read_table(path: Path) -> pd.DataFrame:
                 "Rename the column.",
             )
     return frame.apply(_as_numbers)
+
+
+def doubts_of(path: Path) -> tuple[str, ...]:
+    """Return a sentence where the last line of a text has no line end: its last number may have been cut.
+
+    Parameters
+    ----------
+    path : Path
+        A table that `read_table` reads.
+    """
+    with path.open("rb") as file:
+        file.seek(-1, os.SEEK_END)
+        is_open = path.suffix.lower() in SEPARATORS and file.read(1) not in LINE_ENDS
+    if not is_open:
+        return ()
+    return (f"the last line of {path.name} has no line end: if the file was cut there, its last number is wrong",)
 
 
 def _text(path: Path, separator: str) -> pd.DataFrame:

@@ -127,7 +127,8 @@ def find_inertia(moves: Sequence[FreeAirMoves], seed: int = 0) -> FreeAirInertia
     masses = pulls.sum(axis=0) / squares.sum(axis=0)
     errors = np.sqrt(((pulls - masses * squares) ** 2).sum(axis=0)) / squares.sum(axis=0)
     best = int(np.argmax(masses / np.maximum(errors, 1e-300)))
-    if masses[best] < CERTAIN * errors[best]:
+    # a sensor that reads nothing has neither a mass nor an error
+    if not masses[best] > CERTAIN * errors[best]:
         return None
     # without inertia, the sign of a trajectory's product is chance
     sizes = np.sqrt((pulls**2).sum(axis=0))

@@ -17,6 +17,7 @@ from tactiledata.contract.take import StoredSignal
 from tactiledata.diagnose.touches.rest_means import position_jitter
 from tactiledata.diagnose.zeros.inertia import FreeAirMoves
 from tactiledata.effects.touch.felt_acceleration import felt_accelerations
+from tactiledata.ingest.clocks.align import POSE_COLUMNS, broken_rotations
 from tactiledata.ingest.forces.contact import zeros_at
 from tactiledata.ingest.forces.gravity import tool_weight, without_pose
 from tactiledata.ingest.forces.tare import SURELY_FREE, component_noise, touch_threshold, touching
@@ -184,7 +185,8 @@ class StoreReadings:
     def _signal(self, stream: str, spans: Mapping[str, Any]) -> StoredSignal | None:
         """Return the finite rows of a stream, such as ``"wrench"``, in one trajectory; ``None`` where there are none.
 
-        ``spans`` holds the first and last row of each signal of the trajectory.
+        Poses whose quaternion is no rotation, such as zeros in place of a lost pose, are left out, too. ``spans``
+        holds the first and last row of each signal of the trajectory.
         """
         name = next((name for name in spans if name.partition("@")[0] == stream), None)
         if name is None or spans[name][0] == spans[name][1]:
@@ -192,6 +194,8 @@ class StoreReadings:
         signal: SignalRows = self._store.signal(name)
         values, t_ns = signal.values(*spans[name]), signal.t_ns(*spans[name])
         is_finite = np.isfinite(values).all(axis=1)
+        if signal.columns == POSE_COLUMNS:
+            is_finite &= ~broken_rotations(values)
         if not is_finite.any():
             return None
         return StoredSignal(

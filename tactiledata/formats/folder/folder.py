@@ -32,6 +32,7 @@ class FolderFormat(CorpusFormat):
     """
 
     name = "folder"
+    says_links = False
     title = "folder log"
     layout = """
 <log>/log.yaml          rig, sensors, indenters, frames, clocks

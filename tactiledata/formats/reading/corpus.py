@@ -9,7 +9,7 @@ import re
 from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, ClassVar, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,9 +17,11 @@ from numpy.typing import NDArray
 from tactiledata.contract.description import LOG_FORMAT, LogDescription
 from tactiledata.contract.records import ImageSink, Recording, Signal, Source, Trajectory
 from tactiledata.contract.simulated import Kind
+from tactiledata.contract.wording import listed
 from tactiledata.errors import BrokenLog, MissingFile, UsageError
 from tactiledata.formats.base import Format, Inspection, TopicInfo
 from tactiledata.formats.reading.intake import Intake, Payload
+from tactiledata.formats.reading.links import links_below
 from tactiledata.formats.reading.natural_order import natural_key
 from tactiledata.formats.reading.stream_rate import has_times, rate_of
 
@@ -27,6 +29,8 @@ SECOND = 10**9
 """Nanoseconds."""
 NOMINAL_RATE = 30
 """Hz, where a corpus gives the order of its frames and no times: the rate that the DIGIT's driver defaults to."""
+DEEP = 4
+"""Levels below a source at which its files lie, at most."""
 PAUSE_NS = SECOND
 """Put between the trajectories of a corpus without a clock, so that they do not touch."""
 
@@ -198,6 +202,9 @@ def raise_empty(source: Source, expected: str) -> NoReturn:
 class CorpusFormat(Format):
     """A format whose sources are walked once, to read them or to see what they hold."""
 
+    says_links: ClassVar[bool] = True
+    """Whether links below a source, which are not followed, are said here; else the format says so itself."""
+
     @abstractmethod
     def record(self, source: Source, intake: Intake, mapping: Mapping[str, Any] | None) -> Recording:
         """The recording, its images given to the intake.
@@ -270,6 +277,8 @@ class CorpusFormat(Format):
         references : dict, optional
             Pictures without contact (height, width, 3) uint8 with their origin, by sensor.
         """
+        if self.says_links:
+            _note_links(source, intake)
         pictures = references or {}
         return Recording(
             source,
@@ -308,6 +317,15 @@ class CorpusFormat(Format):
             raise MissingFile(f"{path} does not exist", f"a file or folder of {self.title}", path=str(path))
         if not self.sniff(path):
             raise UsageError(f"{path} is not of format {self.name}", self.layout.strip(), path=str(path))
+
+
+def _note_links(source: Source, intake: Intake) -> None:
+    """Say that links were not followed: in a copy whose content was not fetched they stand for images."""
+    links = links_below(Path(source.path) / source.part, DEEP)
+    if links:
+        are = "is a link, which is" if len(links) == 1 else "are links, which are"
+        text = f"{listed(links, 5)} {are} not followed; fetch or copy the files into the folder"
+        intake.note("link-left", "warning", text, count=len(links))
 
 
 def _camera_info(name: str, count: int, first: int, last: int, example: str) -> TopicInfo:

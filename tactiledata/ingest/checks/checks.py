@@ -18,7 +18,7 @@ from tactiledata.contract.wording import agreeing, counted, listed
 from tactiledata.ingest.checks.apart import apart_findings
 from tactiledata.ingest.checks.background_seen import channel_findings, touched_findings
 from tactiledata.ingest.checks.image_sizes import size_counts
-from tactiledata.ingest.checks.plausible import description_findings, mesh_findings
+from tactiledata.ingest.checks.plausible import clock_findings, description_findings, mesh_findings
 from tactiledata.ingest.checks.spooled import SpooledImages
 from tactiledata.ingest.checks.units_seen import unit_findings
 from tactiledata.sensors import SENSORS
@@ -95,6 +95,7 @@ def check_take(take: Take, decode: Decode) -> list[Finding]:
     description = LogDescription(take.description)
     return [
         *description_findings(description),
+        *clock_findings(description, take.signals),
         *mesh_findings(description, Path(take.source.path)),
         *unit_findings(take),
         *_picture_findings(take, decode),

@@ -6,7 +6,7 @@ Nothing is changed: the recording is kept as it says, and a finding names what t
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path, PurePosixPath
 from typing import Any
 
@@ -18,6 +18,7 @@ from tactiledata.contract.records import Finding
 from tactiledata.errors import TactileDataError, UnsafeContent
 from tactiledata.indenters import INDENTERS, make_indenter
 from tactiledata.sensors import SENSORS
+from tactiledata.units import SIGNAL_COLUMNS
 
 UNDESCRIBED_MODELS = frozenset({"biotac", "camera", "gelsight", "gelsight_mini", "unknown"})
 """Models that corpora hold and the toolkit does not describe."""
@@ -32,6 +33,10 @@ OTHER_WORDS = {
 }
 """What people call shapes, and what they are called here."""
 
+DERIVED = "contact_wrench"
+"""The signal that has the times of another one, and no clock."""
+FRAMES = "frames"
+"""What images are called among the clocks of a description."""
 LARGEST_GEL = 0.1
 """m. No gel is longer or thicker; larger numbers are millimetres."""
 SMALLEST_GEL = 1e-4
@@ -59,6 +64,30 @@ def description_findings(description: LogDescription) -> list[Finding]:
     if left:
         text = f"{', '.join(left)}: a placeholder of a draft was not replaced by the real name"
         found.append(Finding("placeholder-left", "warning", text, count=len(left)))
+    return found
+
+
+def clock_findings(description: LogDescription, streams: Collection[str]) -> list[Finding]:
+    """Findings on clocks that a recording states for streams that it does not have: their offsets do nothing.
+
+    Parameters
+    ----------
+    description : LogDescription
+    streams : names
+        Signals of the recording.
+    """
+    there = sorted({*streams, FRAMES} - {DERIVED})
+    stated = description.document.get("clocks", {})
+    unknown = [name for name in stated if name not in {*there, *SIGNAL_COLUMNS} - {DERIVED}]
+    found = []
+    for name in unknown:
+        near = difflib.get_close_matches(name, there, n=1, cutoff=0.6)
+        meant = f"; did you mean {near[0]}?" if near else f": there are {', '.join(there)}."
+        text = (
+            f"clocks.{name} is of no stream of the recording, so that what it states was used for nothing{meant} "
+            f"Images of all cameras go by {FRAMES}"
+        )
+        found.append(Finding("clock-unknown", "warning", text))
     return found
 
 

@@ -140,8 +140,10 @@ def judge_frames(
     for camera, rows in cameras.items():
         if len(rows) < 2:
             continue
-        if witnesses and len(pauses_of(t_ns[rows])) <= MOST_PAUSES:
-            judged = judge_steps(camera, t_ns[rows], crc[rows, None].astype(np.float64), witnesses, KEPT_WITHOUT)
+        if witnesses:
+            films_on = len(pauses_of(t_ns[rows])) <= MOST_PAUSES
+            own = crc[rows, None].astype(np.float64)
+            judged = judge_steps(camera, t_ns[rows], own, witnesses, KEPT_WITHOUT, pauses=films_on)
             is_off[rows[~judged.kept]] = True
             findings.extend(finding for finding in judged.findings if finding.code == "clock-jump")
         kept = rows[~is_off[rows]]

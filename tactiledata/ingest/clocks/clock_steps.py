@@ -21,6 +21,7 @@ from tactiledata.ingest.clocks.witnesses import (
     LEAST_STEP,
     PERIODS,
     SIGNAL,
+    SILENT_PERIODS,
     Witness,
     jumps_by_vote,
     shares_pause,
@@ -47,7 +48,12 @@ class BelievedTimes:
 
 
 def judge_steps(
-    stream: str, t_ns: Times, values: Values, witnesses: Sequence[Witness], lost: str = LEFT_OUT
+    stream: str,
+    t_ns: Times,
+    values: Values,
+    witnesses: Sequence[Witness],
+    lost: str = LEFT_OUT,
+    pauses: bool = True,
 ) -> BelievedTimes:
     """Return which samples of a stream have a time that can be believed: not those after its clock jumped.
 
@@ -64,6 +70,9 @@ def judge_steps(
         What was recorded beside it.
     lost : str
         What becomes of samples whose time is off, in words.
+    pauses : bool
+        Whether a step forward may be a jump. Of a stream that pauses again and again it is none; a stretch of time
+        that stands twice is a jump of any stream.
     """
     everything = np.ones(len(t_ns), dtype=bool)
     usual = usual_distance(t_ns)
@@ -71,9 +80,10 @@ def judge_steps(
     limit = max(LEAST_STEP, PERIODS * usual)
     large = np.flatnonzero(steps > limit)
     large = large[np.argsort(-steps[large], kind="stable")[:MOST_BLOCKS]]
-    blocks = _displaced_blocks(t_ns, limit, usual)
-    forward = _judged_steps(t_ns, large, usual, witnesses)
-    back = np.array([row for row in np.flatnonzero(steps < -limit) if _runs_again(t_ns, values, int(row), usual)])
+    blocks = _displaced_blocks(t_ns, limit, usual) if pauses else set()
+    forward = _judged_steps(t_ns, large, usual, witnesses) if pauses else []
+    least_back = max(LEAST_STEP, SILENT_PERIODS * usual)
+    back = np.array([row for row in np.flatnonzero(steps < -least_back) if _runs_again(t_ns, values, int(row), usual)])
     certain = sorted({*(int(row) for row in back), *blocks})
     if not forward and not certain:
         return BelievedTimes(everything, ())

@@ -21,6 +21,9 @@ from tactiledata.ingest.clocks.witnesses import IMAGES, SIGNAL, STAMPS, TRAJECTO
 LATEST = 2.0**62
 """ns since the epoch, in either direction: the year 2116. Differences of times before it still fit an int64."""
 
+LEAST_JITTER = 1_000
+"""ns. Transport takes a time that varies by more; below it, two stamps are of one clock."""
+
 
 @dataclass(frozen=True)
 class Timed:
@@ -82,7 +85,7 @@ def _witnesses(
 ) -> list[Witness]:
     """What a signal's time is compared with: its own other stamps, other signals, images, trajectories."""
     found = []
-    if stamps.header is not None and len(stamps):
+    if stamps.header is not None and len(stamps) and not _is_one_clock(stamps.log - stamps.header):
         found.append(Witness(STAMPS, int(stamps.log[0]), int(stamps.log[-1])))
     for other, t_ns in times.items():
         if other != name and len(t_ns) > 1:
@@ -92,6 +95,11 @@ def _witnesses(
         start = min(trajectory.start_ns for trajectory in recording.trajectories)
         found.append(Witness(TRAJECTORIES, start, max(trajectory.end_ns for trajectory in recording.trajectories)))
     return found
+
+
+def _is_one_clock(lag: Times) -> bool:
+    """Whether log times were made from the header stamps, as converters do: a jump stands in both then."""
+    return int(lag.max() - lag.min()) < LEAST_JITTER
 
 
 def _stored(signal: Signal, choice: ClockChoice, kept: NDArray[np.bool_]) -> tuple[StoredSignal, list[Finding]]:

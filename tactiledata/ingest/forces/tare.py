@@ -17,7 +17,12 @@ from tactiledata.ingest.forces.tare_events import (
     tares_near,
     without_steps,
 )
-from tactiledata.ingest.forces.zero_findings import drift_findings, pressed_findings, trusted_findings
+from tactiledata.ingest.forces.zero_findings import (
+    drift_findings,
+    pressed_findings,
+    trusted_findings,
+    under_load_findings,
+)
 from tactiledata.ingest.forces.zero_levels import (
     ends_of,
     free_beginnings,
@@ -142,9 +147,10 @@ def find_zero(
     is_near, far = tares_near(t_ns, tare_ns)
     near = [moment for moment, kept in zip(tare_ns, is_near, strict=True) if kept]
     tares, contradicted = locate_tares(t_ns, load, near, stated[is_near], noise)
-    bias = _general_zeros(t_ns, load, tares, noise)
+    bias, pressed_tares = _general_zeros(t_ns, load, tares, noise)
     findings = [*far, *_tare_findings(t_ns, tare_ns, tares, spans), *contradicted_findings(contradicted)]
     if not spans:
+        findings.extend(under_load_findings(pressed_tares))
         return Zero(bias, "between tare events: the stated zero, or the mode of the recording", noise, tuple(findings))
     missed: list[tuple[str, int, int]] = []
     trusted: list[tuple[str, float]] = []
@@ -180,8 +186,12 @@ def find_zero(
     return Zero(bias, "median of each trajectory's free air before the first touch", noise, tuple(findings))
 
 
-def _general_zeros(t_ns: Times, load: Values, tares: list[Tare], noise: float) -> Values:
+def _general_zeros(
+    t_ns: Times, load: Values, tares: list[Tare], noise: float
+) -> tuple[Values, list[tuple[int, float]]]:
     """The zero (n, 6) between tare events: what the event states, unless it happened while something pressed.
+
+    Such events come beside it, with their time, ns, and the force, N, that was taken for one of a contact.
 
     Before the first event it is the mode, where the recording begins at it; else what the load was before the jump, or
     at the start of the recording, where something pressed at the event.
@@ -198,11 +208,14 @@ def _general_zeros(t_ns: Times, load: Values, tares: list[Tare], noise: float) -
             mode = begins if pressed else tares[0].zero - tares[0].step
     bias[:first] = mode
     borders = [0, *(tare.row for tare in tares), len(load)]
+    under_load: list[tuple[int, float]] = []
     for number, tare in enumerate(tares):
         start = borders[number]
         pressed = _was_pressed(t_ns[start : tare.row], load[start : tare.row], bias[start], noise)
         bias[tare.row : borders[number + 2]] = bias[tare.row - 1] + tare.step if pressed else tare.zero
-    return bias
+        if pressed:
+            under_load.append((int(t_ns[tare.row]), _newtons(load[tare.row - 1] - bias[tare.row - 1])))
+    return bias, under_load
 
 
 def _was_pressed(t_ns: Times, load: Values, zero: np.ndarray, noise: float) -> bool:

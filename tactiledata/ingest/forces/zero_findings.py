@@ -51,6 +51,28 @@ def pressed_findings(missed: list[tuple[str, float]]) -> list[Finding]:
     return [Finding("no-free-air", "warning", text, "wrench", count=len(missed))]
 
 
+def under_load_findings(events: list[tuple[int, float]]) -> list[Finding]:
+    """A warning of stated tare events at which something seems to press, in a recording that names no trajectories.
+
+    Whether a gel is pressed or the zero jumped cannot be told where the reading stays what it is until the event.
+
+    Parameters
+    ----------
+    events : list of (int, float)
+        Time of each event, ns, and the force that was taken for one of a contact, N.
+    """
+    if not events:
+        return []
+    largest = max(force for _, force in events)
+    text = (
+        f"wrench: at {counted(len(events), 'stated tare event')} (the first at {events[0][0]} ns) something presses "
+        f"with up to {largest:.2f} N: the reading rose within seconds and stayed until then, so the zero after "
+        f"{agreeing(len(events), 'it', 'them')} keeps that force. If nothing was touched, the sensor's zero had jumped "
+        "and forces after it are off by as much: name the trajectories, or tare in free air"
+    )
+    return [Finding("tare-under-load", "warning", text, "wrench", start_ns=events[0][0], count=len(events))]
+
+
 def trusted_findings(trusted: list[tuple[str, float]]) -> list[Finding]:
     """A warning of trajectories that begin and end far from the usual reading, and whose zero was still believed.
 

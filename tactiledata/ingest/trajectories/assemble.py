@@ -190,7 +190,7 @@ def _cut(
     # now that the contacts are known, each touch gets the zero of its own free air
     contact = _contact(recording.description, signals, found)
     assert contact is not None
-    said.add(*contact.findings)
+    said.add(*contact.findings, *(finding for finding in rough.findings if finding.code == "tare-under-load"))
     return found, "contact onset and release", contact
 
 

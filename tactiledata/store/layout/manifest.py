@@ -119,7 +119,7 @@ def _check(content: bytes, where: str) -> None:
         raise StoreError(
             error.found.replace(MANIFEST, where, 1),
             "a manifest that fits schemas/store.json",
-            "Run `tactiledata check` on the store.",
+            "Restore it from a copy of the store, or ingest the recordings into a new store.",
             **{**error.facts, "file": where},
         ) from error
 

@@ -126,3 +126,11 @@ def test_recorded_tools_swing(tmp_path):
     # slow moves and positions with noise hardly tell the frequency
     assert 0.5 < heavy.mass / 1.2 < 2.0
     assert found("b") is None
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("reading", [0.0, np.nan])
+def test_a_sensor_that_reads_nothing_reads_no_inertia(reading):
+    """A reading of 0 in place of every force has no mass and no error: nothing over nothing is no finding."""
+    silent = [replace(one, force=np.full_like(one.force, reading)) for one in moves(0.8)]
+    assert find_inertia(silent) is None

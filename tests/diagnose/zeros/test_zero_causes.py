@@ -7,8 +7,10 @@ from recorded_touches import recorded_store
 from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.diagnose.zeros.causes import GRAVITY, no_zeros, zero_causes
 from tactiledata.diagnose.zeros.readings import ForceZeros, StoreReadings, free_air_between
+from tactiledata.ingest.clocks.align import POSE_COLUMNS
 from tactiledata.replay.opened import OpenedStore
 from tactiledata.store.read.reader import Store
+from tactiledata.store.read.signal_rows import SignalRows
 
 PIECES = 3
 
@@ -116,3 +118,23 @@ def test_recorded_tools_are_weighed(tmp_path):
     assert cause.effect == "tool_weight"
     assert cause.values["mass"] == pytest.approx(0.06, rel=0.25)
     assert not zero_causes(StoreReadings(opened(recorded_store(tmp_path / "b", generate=turned))).zeros())
+
+
+def test_lost_poses_are_passed_over(tiny_store, monkeypatch):
+    """Poses of zeros, as a driver sends where it lost the arm, are no rotations: the zeros are those of the others."""
+    whole = StoreReadings(opened(tiny_store)).zeros()
+    values = SignalRows.values
+
+    def lost(rows, *span):
+        found = values(rows, *span)
+        if rows.columns == POSE_COLUMNS:
+            found = found.copy()
+            found[4::9] = 0.0
+        return found
+
+    monkeypatch.setattr(SignalRows, "values", lost)
+    readings = StoreReadings(opened(tiny_store))
+    assert len(whole) > 0
+    np.testing.assert_allclose(readings.zeros().load, whole.load, atol=0.05)
+    np.testing.assert_allclose(readings.zeros().down, whole.down, atol=1e-3)
+    assert readings.moves()

@@ -4,12 +4,14 @@ import dataclasses
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
-from tactiledata.effects.touch.gel_variants import _cell_factors, surface_height, variant_engine, warped
+from tactiledata.effects.touch.gel_variants import _cell_factors, contact_height, surface_height, variant_engine, warped
 from tactiledata.effects.touch.response import GelVariant, SoftSpot
 from tactiledata.gel.contact.history import GelTouch
 from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.gel.mesh.structured_pad import GridPlan, structured_pad
+from tactiledata.indenters.cylinder_flat import CylinderFlat
 from tactiledata.indenters.sphere import Sphere
 from tactiledata.sensors.digit import DIGIT
 
@@ -33,6 +35,20 @@ def test_the_nominal_gel_is_the_pad_itself():
     """The nominal variant is the very same mesh, with its surface at height 0."""
     assert warped(PAD, GelVariant()) is PAD
     assert surface_height(PAD, PAD.vertices[PAD.surface][:, :2]).max() == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_turned_punch_touches_with_its_rim_before_its_tip():
+    """A ball meets the surface with its tip; a flat punch of 4 mm radius turned by 0.1 rad does 4 mm x 0.1 earlier."""
+    places = np.array([[0.0, 0.0], [3e-3, -5e-3]])
+    poses = np.tile(np.eye(4), (2, 1, 1))
+    poses[:, :3, :3] = Rotation.from_euler("y", 0.1).as_matrix()
+    poses[:, :2, 3] = places
+    poses[:, 2, 3] = 7.0  # the height of the pose plays no part
+    surface = surface_height(PAD, places)
+    assert abs(surface[1] - surface[0]) > 1e-4
+    ball, punch = (contact_height(PAD, solid, poses) for solid in (Sphere(radius=4e-3), CylinderFlat(radius=4e-3)))
+    assert ball == pytest.approx(surface, abs=5e-5)
+    assert punch == pytest.approx(surface + 4e-4, abs=5e-5)
 
 
 def test_a_thicker_pad_keeps_its_surface():

@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import pathlib
 import pickle
 
 import h5py
@@ -183,3 +184,29 @@ def test_hdf5_and_pickle_of_others_are_not_claimed(tmp_path):
     for name in GENERATORS:
         form = FORMATS[name]()
         assert not any(form.sniff(path) for path in (tmp_path, *tmp_path.iterdir()))
+
+
+@pytest.mark.parametrize(("name", "files", "count"), [
+    ("objectfolder_real", "tactile_data/*/0/gelsight/1?.png", 4), ("fota", "train/*.tar", 3),
+    ("sparsh_force", "*digit_01.pkl", 1),
+])  # fmt: skip
+@pytest.mark.parametrize("target", ["nowhere", "a file elsewhere"])
+def test_files_that_are_links_are_said(tmp_path, name, files, count, target):
+    """A copy whose content was not fetched holds links in the place of files: they are counted and named.
+
+    Where nothing but order tells the times of images, those after a missing one move up.
+    """
+    root = GENERATORS[name].write(tmp_path / name, np.random.default_rng(12))
+    form = FORMATS[name]()
+    source = form.sources(root)[0]
+    assert not [one for one in read(form, root)[0][0].findings if one.code == "link-left"]
+    places = sorted(pathlib.Path(source.path).glob(files))
+    for number, path in enumerate(places):
+        elsewhere = tmp_path / f"{number}{path.suffix}"
+        path.rename(elsewhere if target == "a file elsewhere" else tmp_path / f"gone-{number}{path.suffix}")
+        path.symlink_to(elsewhere)
+    assert len(places) == count
+    [finding] = [one for one in read(form, root)[0][0].findings if one.code == "link-left"]
+    assert (finding.severity, finding.count) == ("warning", count)
+    assert places[0].name in finding.message
+    assert "link-left" in {one.code for one in form.inspect(form.sources(root)[0]).findings}

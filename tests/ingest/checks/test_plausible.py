@@ -1,16 +1,20 @@
 """What a recording states is held against what can be: each fault is named, and a sound description says nothing."""
 
 import copy
+import re
 
 import numpy as np
 import pyarrow as pa
 import pytest
+import yaml
+from copied_trees import copy_tree
 
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Source, Stamps
 from tactiledata.contract.take import FRAME_SCHEMA, TRAJECTORY_SCHEMA, StoredSignal, Take, findings_table
-from tactiledata.ingest.checks.plausible import description_findings
+from tactiledata.ingest.checks.plausible import clock_findings, description_findings
 from tactiledata.ingest.checks.units_seen import unit_findings
+from tactiledata.ingest.pipeline import ingest
 from tactiledata.units import SIGNAL_COLUMNS, signal_units
 
 SOUND = {
@@ -129,3 +133,37 @@ def test_free_motion_is_no_doubt():
     noise[150:250] = noise[:100]
     for values in (noise, np.zeros((50, 6)), np.full((50, 6), np.nan)):
         assert unit_findings(take_with("wrench", values)) == []
+
+
+@pytest.mark.parametrize(
+    ("clocks", "says"),
+    [
+        (["wrench", "tcp", "joints", "frames", "loads"], []),
+        (["contact_wrench"], ["clocks.contact_wrench is of no stream"]),
+        (["wrech"], ["clocks.wrech is of no stream .*; did you mean wrench\\?"]),
+        (["digit"], ["clocks.digit is .*: there are frames, loads, wrench. Images of all cameras go by frames"]),
+        (["frame", "x"], ["clocks.frame .* did you mean frames", "clocks.x .* there are"]),
+    ],
+)
+def test_a_clock_of_no_stream_is_named(clocks, says):
+    """Its offset would do nothing; streams that a log may have and this one has not are left in peace."""
+    document = {**SOUND, "clocks": {name: {"offset_ns": 5, "known": True} for name in clocks}}
+    found = clock_findings(LogDescription.checked(document, "test"), {"wrench": 0, "loads": 0, "contact_wrench": 0})
+    assert [one.code for one in found] == ["clock-unknown"] * len(says)
+    for one, pattern in zip(found, says, strict=True):
+        assert re.search(pattern, one.message)
+
+
+def test_a_take_with_a_clock_of_no_stream_says_so(tiny_folders, tmp_path):
+    """The finding is among those of ingest, with the streams that the recording has."""
+    copy_tree(tiny_folders[0], tmp_path / "log")
+    path = tmp_path / "log" / "log.yaml"
+    document = yaml.safe_load(path.read_text())
+    document["clocks"]["wrnech"] = {"offset_ns": 10**9, "known": True}
+    path.write_text(yaml.safe_dump(document))
+    [finding] = [
+        one
+        for one in ingest([tmp_path / "log"], tmp_path / "a.zarr").sources[0].findings
+        if one.code == "clock-unknown"
+    ]
+    assert "did you mean wrench?" in finding.message

@@ -153,6 +153,16 @@ def test_streams_that_pause_together_are_no_evidence():
     assert judge_steps("wrench", t_ns, VALUES, [*together, Witness(2, START, int(TRUE[-1]))]).kept.sum() == 2000
 
 
+@pytest.mark.parametrize(("usual_ms", "back_ms", "is_jump"), [(100, 600, True), (100, 300, False), (10, 320, True)])
+def test_a_slow_stream_goes_back_from_three_samples_on(usual_ms, back_ms, is_jump):
+    """Images at 10 Hz that go back by 0.6 s stand twice; steps forward are pauses up to twenty samples."""
+    true = START + np.arange(400) * usual_ms * 1_000_000
+    t_ns = true - np.where(np.arange(400) >= 200, back_ms * 1_000_000, 0)
+    judged = judge_steps("digit", t_ns, VALUES[:400], [Witness(1, int(true[0]), int(true[-1]))])
+    assert (codes(judged) == ["clock-jump"]) == is_jump
+    assert judged.kept.sum() == (200 if is_jump else 400)
+
+
 def test_late_rows_and_copies_are_no_jumps():
     """Negative control: rows that were written late fill a hole, and rows written twice stand at one time."""
     late = np.r_[0:1000, 1500:3000, 1000:1500, 3000:6000]
@@ -218,6 +228,27 @@ def test_a_forced_header_that_jumps_is_damage():
     timed = put_on_host_clock(forced)
     assert (timed.signals["wrench"].t_ns == TRUE[:2500]).all()
     assert "clock-jump" in {finding.code for finding in timed.findings}
+
+
+@pytest.mark.parametrize("seconds", [2, 5, 60])
+@pytest.mark.parametrize("constant", [0, 2_000_000])
+def test_log_times_that_are_copies_of_the_header_attest_no_jump(seconds, constant):
+    """A converter that writes header stamps as log times carries a jump over: the other streams tell it all the same.
+
+    Log times with a jitter of their own that pause as long are a recorder's, and attest a pause.
+    """
+    header = TRUE + np.where(np.arange(6000) >= 2500, seconds * SECOND, 0)
+    whole = recording(TRUE)
+
+    def timed(log):
+        wrench = dataclasses.replace(whole.signals["wrench"], stamps=Stamps(log, None, header))
+        return put_on_host_clock(dataclasses.replace(whole, signals={**whole.signals, "wrench": wrench}))
+
+    copied = timed(header + constant)
+    assert codes(copied) == ["clock-jump"]
+    assert (copied.signals["wrench"].values == VALUES[:2500]).all()
+    jitter = np.random.default_rng(1).integers(0, 200_000, 6000)
+    assert "clock-jump" not in codes(timed(header + constant + jitter))
 
 
 def rewritten(log, folder, change, *tables):

@@ -164,6 +164,21 @@ def test_a_camera_with_three_long_pauses_is_not_judged_by_jumps():
         assert bool(judged(t_ns)[0]) == is_judged
 
 
+@pytest.mark.parametrize("seconds", [2, 5])
+def test_a_camera_that_takes_steps_and_goes_back_in_time_is_judged(seconds):
+    """Pauses of such a camera say nothing; images in a time that it has filmed already are of another moment."""
+    t_ns = FILMED.copy()
+    for row in (200, 400, 600, 800):
+        t_ns[row:] += 700 * MS
+    jumped = t_ns - np.where(np.arange(1000) >= 700, seconds * SECOND, 0)
+    assert judged(jumped)[:2] == (list(range(700, 1000)), [("clock-jump", 300)])
+    assert judged(t_ns)[:2] == ([], [])
+    # two images that change places are a queue that was emptied out of order
+    late = t_ns.copy()
+    late[[500, 503]] = late[[503, 500]]
+    assert judged(late)[:2] == ([], [])
+
+
 def test_copies_of_images_are_no_jump():
     """Images that were written twice have equal checksums; others at the same time mean a jump back."""
     rows = np.r_[0:600, 400:1000]

@@ -140,6 +140,23 @@ def test_of_many_pauses_the_largest_eight_are_judged():
         assert off == list(range(row, len(t_ns)))
 
 
+@pytest.mark.parametrize("beside", [295, -295], ids=["a little longer", "a little shorter"])
+def test_pauses_that_another_shares_are_looked_at_last(beside):
+    """Nine pauses of 3 s that a signal shares, and a jump of 1 s that it does not: the jump is among the eight.
+
+    A pause is shared where its length agrees within 0.3 s, whatever the distance of samples is.
+    """
+    steps = np.full(2000, 10)
+    for row in range(100, 1000, 100):
+        steps[row] = 3000
+    t_ns = times(*steps)
+    pauses = [(int(t_ns[row]), (2990 + beside) * MS) for row in range(100, 1000, 100)]
+    jumped = t_ns + np.where(np.arange(2001) > 1500, SECOND, 0)
+    alone = witness(SIGNAL, 0, int(t_ns[-1] - START) // MS, pauses)
+    assert judged(jumped, alone)[0] == list(range(1501, 2001))
+    assert judged(t_ns, alone)[0] == []
+
+
 def test_a_stretch_that_stands_elsewhere():
     """A stretch of ten samples and more is found, forward or back, by rows where the clock goes away and comes home."""
     for away in (5000, -5000):

@@ -76,16 +76,20 @@ def test_poses_that_are_no_rotations_are_counted():
 
 
 def test_witnesses_are_the_own_log_time_the_others_and_what_was_filmed():
-    """Streams with less than two samples are none; trajectories are one, from the first start to the last end."""
+    """Streams with less than two samples are none; trajectories are one, from the first start to the last end.
+
+    A log time that follows the header within a microsecond was made from it, and attests nothing.
+    """
     log = np.array([5, 3, 9])
     times = {"wrench": log, "tcp": np.array([7, 2, 4]), "joints": np.array([1])}
     cameras = {"a": np.array([8, 6]), "b": np.array([6])}
     touches = (Trajectory("t", 20, 40), Trajectory("u", 10, 30))
     made = recording(touches=touches)
-    found = _witnesses("wrench", Stamps(log, None, log), times, cameras, made)
-    assert found == [
-        Witness(STAMPS, 5, 9), Witness(SIGNAL, 2, 7), Witness(IMAGES, 6, 8), Witness(TRAJECTORIES, 10, 40),
-    ]  # fmt: skip
+    beside = [Witness(SIGNAL, 2, 7), Witness(IMAGES, 6, 8), Witness(TRAJECTORIES, 10, 40)]
+    for late, attests in ((1000, True), (999, False), (0, False)):
+        header = log - 50 - np.array([0, late, 0])
+        found = _witnesses("wrench", Stamps(log, None, header), times, cameras, made)
+        assert found == [*([Witness(STAMPS, 5, 9)] if attests else []), *beside]
     assert _witnesses("tcp", Stamps(log), times, {}, recording()) == [Witness(SIGNAL, 3, 9)]
     none = np.zeros(0, np.int64)
     assert _witnesses("a", Stamps(none, None, none), {}, {}, recording()) == []

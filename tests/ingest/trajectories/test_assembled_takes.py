@@ -226,3 +226,12 @@ def test_sensors_of_images_and_of_trajectories_are_known():
     touches = (*TOUCHES, Trajectory("c", START + 5000 * MS, START + 6000 * MS, "D2"))
     take, _, _ = assembled(recording(joints([0, 10]), touches=touches), images([5], sensor="D3"))
     assert take.sensors == {"D1": {"model": "digit"}, "D2": {}, "D3": {}}
+
+
+def test_a_touch_that_ends_at_a_stated_tare_is_doubted_where_touches_are_found():
+    """The reading is put to zero while something seems to press: said where no trajectory is named, and only there."""
+    tared = {**DOCUMENT, "wrench": {**DOCUMENT.get("wrench", {}), "tare_ns": [int(at(1000)[0])]}}
+    reading = wrench(((300, 1000), (1300, 1600)))
+    assert "tare-under-load" in assembled(recording(reading, touches=(), document=tared), images([400]))[2]
+    assert "tare-under-load" not in assembled(recording(reading, document=tared), images([400]))[2]
+    assert "tare-under-load" not in assembled(recording(reading, touches=()), images([400]))[2]

@@ -214,6 +214,16 @@ def test_what_is_no_checkpoint_is_refused(tmp_path):
         other.network()
 
 
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), -float("inf")])
+def test_weights_that_are_no_numbers_are_refused(value):
+    """One weight of NaN or infinity makes every picture one: the network is not made, and the weights are named."""
+    checkpoint = Checkpoint.of(objective().network, STAMPS)
+    name = next(iter(checkpoint.weights))
+    checkpoint.weights[name].reshape(-1)[0] = value
+    with pytest.raises(CheckpointError, match=f"weights {name} of the projection hold NaN or infinity"):
+        checkpoint.network()
+
+
 def test_a_device_that_is_not_there_is_refused():
     """Before anything else; the message says why."""
     assert find_device("cpu").type == "cpu"
