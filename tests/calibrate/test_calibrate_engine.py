@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tactiledata.calibrate import player
 from tactiledata.calibrate.calibrate import calibrate_measured
 from tactiledata.calibrate.document import calibration_document, write_calibration
 from tactiledata.calibrate.measured import Measured
 from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.calibrate.page import calibration_page
+from tactiledata.calibrate.plays import player
 from tactiledata.calibrate.plays.kept_plays import load_play, play_path
 from tactiledata.calibrate.plays.player import PlayBatch, play_at, play_batch
 from tactiledata.calibrate.touches import MeasuredTouch

@@ -5,8 +5,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from tactiledata.calibrate import player
 from tactiledata.calibrate.plan import Node
+from tactiledata.calibrate.plays import player
 from tactiledata.calibrate.plays.play_progress import PlayProgress
 
 SECONDS = 10.0

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from tactiledata.diagnose.naming.decide import Tie
 from tactiledata.diagnose.naming.evidence import ScoredCandidate
 from tactiledata.diagnose.naming.intervals import ProfiledInterval
 from tactiledata.diagnose.naming.name_effects import NamingResult
@@ -14,6 +13,7 @@ from tactiledata.diagnose.naming.own_error_sizes import OddTouch
 from tactiledata.diagnose.naming.remaining_structure import RemainingStructure
 from tactiledata.diagnose.naming.simulator_share import simulator_share, simulator_share_words
 from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
+from tactiledata.diagnose.naming.ties import Tie
 from tactiledata.diagnose.residuals.residuals import joined_names
 from tactiledata.diagnose.residuals.wording import rounded, with_interval
 from tactiledata.diagnose.verdict import Verdict

@@ -19,42 +19,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactiledata.arrays import Array
-from tactiledata.diagnose.naming.evidence import ScoredCandidate, error_of_sum
-from tactiledata.diagnose.naming.metric import RandomEffects, best_imitation, cosines
+from tactiledata.diagnose.naming.evidence import ScoredCandidate
+from tactiledata.diagnose.naming.metric import RandomEffects
 from tactiledata.diagnose.naming.remaining_structure import RemainingStructure
 from tactiledata.diagnose.naming.thresholds import DecisionThresholds
+from tactiledata.diagnose.naming.ties import Tie, ties_of_one
 from tactiledata.diagnose.verdict import Verdict
 from tactiledata.effects import EFFECTS
 
 NONE, OTHER = "none", "other"
-
-
-@dataclass(frozen=True)
-class Tie:
-    """An effect that these data cannot tell from a named one.
-
-    Parameters
-    ----------
-    name : str
-        The other effect.
-    instead_of : str
-        The named effect for which it could stand; one of the two where two are named.
-    label : str
-        Label of the refit with the other effect: a pair where two are named.
-    cosine : float
-        Cosine, beyond what a refit imitates, of what the named effect changes with what the other one changes or, if
-        that is larger, with the nearest change that the other one could make. Where two effects are named: of what
-        the two pairs change, beyond what a refit with the kept effect imitates.
-    gain_apart, error : float
-        How much more the named candidate gains, and the standard error of that difference over trajectories.
-    """
-
-    name: str
-    instead_of: str
-    label: str
-    cosine: float
-    gain_apart: float
-    error: float
 
 
 @dataclass(frozen=True)
@@ -172,9 +145,9 @@ def decide(
             f" {best.evidence:.0f}, and {outweighing.label} cannot be claimed"
         )
         return Decision(Verdict.NOT_EXPLAINED, best, (), chances, (reason,), left, True)
-    # a claim; ties of a pair need further refits and follow in `ties_of_two`
+    # a claim; ties of a pair need further refits and follow in `ties.ties_of_two`
     if best is not None:
-        ties = _ties(best, ranked, gains, metric, thresholds) if len(best.names) == 1 else ()
+        ties = ties_of_one(best, ranked, gains, metric, thresholds) if len(best.names) == 1 else ()
         return Decision(claim_verdict(is_left, left, thresholds), best, ties, chances, (), left, is_left)
     # no claim: structure, a trace, or nothing
     hint = ranked[0] if ranked else None
@@ -183,7 +156,7 @@ def decide(
         return Decision(Verdict.NOT_EXPLAINED, hint, (), chances, objections, left, is_left)
     trace = next((single for single in ranked if single.is_trace(thresholds)), None)
     if trace is not None:
-        ties = _ties(trace, ranked, gains, metric, thresholds)
+        ties = ties_of_one(trace, ranked, gains, metric, thresholds)
         objections = trace.objections(thresholds)
         return Decision(Verdict.BELOW_DETECTION, trace, ties, chances, objections, left, is_left)
     return Decision(Verdict.NOTHING_FOUND, hint, (), chances, objections, left, is_left)
@@ -258,87 +231,6 @@ def _outweighing(
 def _slot(single: ScoredCandidate) -> str:
     """Return the slot in which a single effect acts."""
     return str(EFFECTS[single.names[0]].slot)
-
-
-def _ties(
-    best: ScoredCandidate,
-    ranked: Sequence[ScoredCandidate],
-    gains: dict[str, Array],
-    metric: RandomEffects,
-    thresholds: DecisionThresholds,
-) -> tuple[Tie, ...]:
-    """Return the single effects that these data cannot tell from the best one, in the order of ``ranked``.
-
-    A plausible effect is a tie where its evidence beyond what it needs is within ``tie_margin`` of the best one's,
-    where it could be claimed itself or changes what the best one changes (cosine above ``tie``), and where it is not
-    needlessly wide.
-    """
-    others = [
-        other
-        for other in ranked
-        if other.label != best.label
-        and not other.implausible
-        and best.beyond(thresholds) - other.beyond(thresholds) <= thresholds.tie_margin(best.evidence)
-    ]
-    if not others:
-        return ()
-    alike = cosines(metric, [best.fit.effect_change, *(other.fit.effect_change for other in others)])[0, 1:]
-    ties = []
-    for other, cosine_fitted in zip(others, alike, strict=True):
-        # two fits differ by noise: what the other effect could change counts, not only what it was fitted to change
-        cosine_possible = best_imitation(metric, best.fit.effect_change, other.fit.effect_fields)
-        cosine, apart = max(float(cosine_fitted), cosine_possible), gains[best.label] - gains[other.label]
-        is_rival = cosine > thresholds.tie or not other.objections(thresholds)
-        if is_rival and not _is_needlessly_wide(other, best, cosine_possible, thresholds):
-            ties.append(Tie(other.label, best.label, other.label, cosine, float(apart.sum()), error_of_sum(apart)))
-    return tuple(ties)
-
-
-def _is_needlessly_wide(
-    other: ScoredCandidate, best: ScoredCandidate, cosine_possible: float, thresholds: DecisionThresholds
-) -> bool:
-    """Whether the other contains the best as a special case, has more numbers and clearly less evidence.
-
-    Parameters
-    ----------
-    cosine_possible : float
-        Cosine of what the best changes with the nearest change that the other could make.
-    """
-    is_wider = cosine_possible > thresholds.tie and len(other.fit.model.coordinates) > len(best.fit.model.coordinates)
-    return is_wider and best.evidence - other.evidence > thresholds.special_case_evidence
-
-
-def ties_of_two(
-    best: ScoredCandidate,
-    substitutes: Sequence[tuple[ScoredCandidate, ScoredCandidate]],
-    thresholds: DecisionThresholds,
-) -> tuple[Tie, ...]:
-    """Return effects that could stand for one of two named effects.
-
-    A substitute is a tie where it has no objections, is not beaten by evidence of ``tie_margin``, and is not needlessly
-    wide.
-
-    Parameters
-    ----------
-    best : ScoredCandidate
-        The named pair.
-    substitutes : sequence of (kept, substitute)
-        The effect of the pair that is kept, scored by itself, and the pair of it with another effect.
-    thresholds : DecisionThresholds
-        What a claim needs.
-    """
-    ties = []
-    for kept, substitute in substitutes:
-        apart = best.gains - substitute.gains
-        is_beaten = best.evidence - substitute.evidence > thresholds.tie_margin(best.evidence - kept.evidence)
-        cosine_possible = best_imitation(kept.fit.metric, best.fit.effect_change, substitute.fit.effect_fields)
-        is_needless = _is_needlessly_wide(substitute, best, cosine_possible, thresholds)
-        if substitute.objections(thresholds) or is_beaten or is_needless:
-            continue
-        (named,), (other,) = ([name for name in pair.names if name not in kept.names] for pair in (best, substitute))
-        cosine = float(cosines(kept.fit.metric, [best.fit.effect_change, substitute.fit.effect_change])[0, 1])
-        ties.append(Tie(other, named, substitute.label, cosine, float(apart.sum()), error_of_sum(apart)))
-    return tuple(ties)
 
 
 def _probabilities(

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tactiledata.diagnose.naming.decide import Decision, decide, ties_of_two
+from tactiledata.diagnose.naming.decide import Decision, decide
 from tactiledata.diagnose.naming.evidence import ScoredCandidate, range_checks, score_candidate
 from tactiledata.diagnose.naming.held_out import GroupedCosts, held_out
 from tactiledata.diagnose.naming.joint_fit import BEHIND, JointFit, first_fit, settled_fits
@@ -17,6 +17,7 @@ from tactiledata.diagnose.naming.remaining_structure import RemainingStructure
 from tactiledata.diagnose.naming.screen import Screened, screen
 from tactiledata.diagnose.naming.signatures import effect_signatures
 from tactiledata.diagnose.naming.strength import Strength
+from tactiledata.diagnose.naming.ties import ties_of_two
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.effects.simulate.setting import EffectSetting
 from tactiledata.errors import UsageError

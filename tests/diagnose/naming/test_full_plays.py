@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from candidates import along, candidate
 
-from tactiledata.diagnose.naming.decide import Tie
 from tactiledata.diagnose.naming.full_plays import MOST_ROUNDS, named_with_full_plays
 from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
+from tactiledata.diagnose.naming.ties import Tie
 from tactiledata.diagnose.touches.variant_plays import variants_of
 
 T = DEFAULT_THRESHOLDS

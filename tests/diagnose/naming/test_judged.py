@@ -19,7 +19,7 @@ from candidates import (
     with_evidence,
 )
 
-from tactiledata.diagnose.naming.decide import NONE, OTHER, decide, needed_of, ties_of_two
+from tactiledata.diagnose.naming.decide import NONE, OTHER, decide, needed_of
 from tactiledata.diagnose.naming.identifiability import Identifiability
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.naming.parameters import joint_model
@@ -28,6 +28,7 @@ from tactiledata.diagnose.naming.remaining_structure import RemainingStructure
 from tactiledata.diagnose.naming.screen import Screened
 from tactiledata.diagnose.naming.strength import Strength
 from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS, TYPICAL_OCCAM
+from tactiledata.diagnose.naming.ties import ties_of_two
 from tactiledata.diagnose.verdict import Verdict
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.simulate.setting import EffectSetting

@@ -1,0 +1,133 @@
+"""Effects that these data cannot tell from a named one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from tactiledata.arrays import Array
+from tactiledata.diagnose.naming.evidence import ScoredCandidate, error_of_sum
+from tactiledata.diagnose.naming.metric import RandomEffects, best_imitation, cosines
+from tactiledata.diagnose.naming.thresholds import DecisionThresholds
+
+
+@dataclass(frozen=True)
+class Tie:
+    """An effect that these data cannot tell from a named one.
+
+    Parameters
+    ----------
+    name : str
+        The other effect.
+    instead_of : str
+        The named effect for which it could stand; one of the two where two are named.
+    label : str
+        Label of the refit with the other effect: a pair where two are named.
+    cosine : float
+        Cosine, beyond what a refit imitates, of what the named effect changes with what the other one changes or, if
+        that is larger, with the nearest change that the other one could make. Where two effects are named: of what
+        the two pairs change, beyond what a refit with the kept effect imitates.
+    gain_apart, error : float
+        How much more the named candidate gains, and the standard error of that difference over trajectories.
+    """
+
+    name: str
+    instead_of: str
+    label: str
+    cosine: float
+    gain_apart: float
+    error: float
+
+
+def ties_of_one(
+    best: ScoredCandidate,
+    ranked: Sequence[ScoredCandidate],
+    gains: dict[str, Array],
+    metric: RandomEffects,
+    thresholds: DecisionThresholds,
+) -> tuple[Tie, ...]:
+    """Return the single effects that these data cannot tell from the best one, in the order of ``ranked``.
+
+    A plausible effect is a tie where its evidence beyond what it needs is within ``tie_margin`` of the best one's,
+    where it could be claimed itself or changes what the best one changes (cosine above ``tie``), and where it is not
+    needlessly wide.
+
+    Parameters
+    ----------
+    best : ScoredCandidate
+        The named effect.
+    ranked : sequence of ScoredCandidate
+        All single effects, in the order of their evidence beyond what they need.
+    gains : dict, label -> (t,)
+        Gain of each effect in each trajectory.
+    metric : RandomEffects
+        Metric of the plain fit.
+    thresholds : DecisionThresholds
+        What a claim needs.
+    """
+    others = [
+        other
+        for other in ranked
+        if other.label != best.label
+        and not other.implausible
+        and best.beyond(thresholds) - other.beyond(thresholds) <= thresholds.tie_margin(best.evidence)
+    ]
+    if not others:
+        return ()
+    alike = cosines(metric, [best.fit.effect_change, *(other.fit.effect_change for other in others)])[0, 1:]
+    ties = []
+    for other, cosine_fitted in zip(others, alike, strict=True):
+        # two fits differ by noise: what the other effect could change counts, not only what it was fitted to change
+        cosine_possible = best_imitation(metric, best.fit.effect_change, other.fit.effect_fields)
+        cosine, apart = max(float(cosine_fitted), cosine_possible), gains[best.label] - gains[other.label]
+        is_rival = cosine > thresholds.tie or not other.objections(thresholds)
+        if is_rival and not _is_needlessly_wide(other, best, cosine_possible, thresholds):
+            ties.append(Tie(other.label, best.label, other.label, cosine, float(apart.sum()), error_of_sum(apart)))
+    return tuple(ties)
+
+
+def ties_of_two(
+    best: ScoredCandidate,
+    substitutes: Sequence[tuple[ScoredCandidate, ScoredCandidate]],
+    thresholds: DecisionThresholds,
+) -> tuple[Tie, ...]:
+    """Return effects that could stand for one of two named effects.
+
+    A substitute is a tie where it has no objections, is not beaten by evidence of ``tie_margin``, and is not needlessly
+    wide.
+
+    Parameters
+    ----------
+    best : ScoredCandidate
+        The named pair.
+    substitutes : sequence of (kept, substitute)
+        The effect of the pair that is kept, scored by itself, and the pair of it with another effect.
+    thresholds : DecisionThresholds
+        What a claim needs.
+    """
+    ties = []
+    for kept, substitute in substitutes:
+        apart = best.gains - substitute.gains
+        is_beaten = best.evidence - substitute.evidence > thresholds.tie_margin(best.evidence - kept.evidence)
+        cosine_possible = best_imitation(kept.fit.metric, best.fit.effect_change, substitute.fit.effect_fields)
+        is_needless = _is_needlessly_wide(substitute, best, cosine_possible, thresholds)
+        if substitute.objections(thresholds) or is_beaten or is_needless:
+            continue
+        (named,), (other,) = ([name for name in pair.names if name not in kept.names] for pair in (best, substitute))
+        cosine = float(cosines(kept.fit.metric, [best.fit.effect_change, substitute.fit.effect_change])[0, 1])
+        ties.append(Tie(other, named, substitute.label, cosine, float(apart.sum()), error_of_sum(apart)))
+    return tuple(ties)
+
+
+def _is_needlessly_wide(
+    other: ScoredCandidate, best: ScoredCandidate, cosine_possible: float, thresholds: DecisionThresholds
+) -> bool:
+    """Whether the other contains the best as a special case, has more numbers and clearly less evidence.
+
+    Parameters
+    ----------
+    cosine_possible : float
+        Cosine of what the best changes with the nearest change that the other could make.
+    """
+    is_wider = cosine_possible > thresholds.tie and len(other.fit.model.coordinates) > len(best.fit.model.coordinates)
+    return is_wider and best.evidence - other.evidence > thresholds.special_case_evidence
