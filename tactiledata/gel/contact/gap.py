@@ -124,22 +124,29 @@ def _gather_gaps(
     points, nodes = shapes.shape
     corners = corner_shapes.shape[1]
     rows, columns = heights.shape
+    local = np.empty((nodes, 3))
+    normal = np.empty(3)
     for row, face in enumerate(searched):
+        # the nodes of the face in the indenter's frame
+        for n in range(nodes):
+            position = positions[faces[face, n]]
+            for axis in range(3):
+                local[n, axis] = (
+                    rotation[0, axis] * (position[0] - origin[0])
+                    + rotation[1, axis] * (position[1] - origin[1])
+                    + rotation[2, axis] * (position[2] - origin[2])
+                )
         for q in range(points):
             if under[row, q] == 0:
                 continue
-            # the point in the indenter's frame, in units of the relief's grid
-            x = y = z = 0.0
+            # the point, in units of the relief's grid
+            across = along = depth = 0.0
             for n in range(nodes):
-                position = positions[faces[face, n]]
-                x += shapes[q, n] * position[0]
-                y += shapes[q, n] * position[1]
-                z += shapes[q, n] * position[2]
-            x -= origin[0]
-            y -= origin[1]
-            z -= origin[2]
-            across = (rotation[0, 0] * x + rotation[1, 0] * y + rotation[2, 0] * z - origin_x) / PITCH
-            along = (rotation[0, 1] * x + rotation[1, 1] * y + rotation[2, 1] * z - origin_y) / PITCH
+                across += shapes[q, n] * local[n, 0]
+                along += shapes[q, n] * local[n, 1]
+                depth += shapes[q, n] * local[n, 2]
+            across = (across - origin_x) / PITCH
+            along = (along - origin_y) / PITCH
             is_near = 0.0 <= across < rows - 1 and 0.0 <= along < columns - 1
             if under[row, q] < 0:
                 is_under = is_near and covered[int(across + 0.5), int(along + 0.5)]
@@ -157,15 +164,13 @@ def _gather_gaps(
             slope_x = ((1 - b) * (h10 - h00) + b * (h11 - h01)) / PITCH
             slope_y = ((1 - a) * (h01 - h00) + a * (h11 - h10)) / PITCH
             down = 1.0 / np.sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
-            depth = rotation[0, 2] * x + rotation[1, 2] * y + rotation[2, 2] * z
             gap = (height - depth) * down
-            n0, n1, n2 = slope_x * down, slope_y * down, -down
+            for axis in range(3):
+                normal[axis] = (rotation[axis, 0] * slope_x + rotation[axis, 1] * slope_y - rotation[axis, 2]) * down
             for c in range(corners):
                 patch = face_corners[face, c]
                 weight = areas[face, q] * corner_shapes[q, c]
                 covers[patch] += weight
                 gaps[patch] += weight * gap
                 for axis in range(3):
-                    normals[patch, axis] += weight * (
-                        rotation[axis, 0] * n0 + rotation[axis, 1] * n1 + rotation[axis, 2] * n2
-                    )
+                    normals[patch, axis] += weight * normal[axis]
