@@ -81,7 +81,9 @@ def test_a_signal_that_ends_before_the_trajectories_do_is_said(first, last, word
     assert all(f"joints begins or ends inside or beside {words} of them" in one.message for one in found)
 
 
-@pytest.mark.parametrize(("segmented", "names"), [("log", "a, c"), ("contact onset and release", "")])
+@pytest.mark.parametrize(
+    ("segmented", "names"), [("log", "a, c"), ("contact onset and release", ""), ("whole recording", "")]
+)
 def test_touches_that_were_found_end_with_the_recording(segmented, names):
     """A touch that was cut with a margin lacks nothing beyond all streams; what a log states does."""
     rows = [touch("a", 0, 4 * SEC), touch("b", 5 * SEC, 9 * SEC), touch("c", 10 * SEC, 14 * SEC)]

@@ -364,6 +364,17 @@ def test_a_witness_that_pauses_too_cannot_tell():
     assert jumps([witness(SIGNAL, 0, 2990 + 7000, shared)], (5000, 2000)) == ([], True)
 
 
+def test_a_pause_that_another_signal_shares_is_none_by_the_length_of_a_third():
+    """The third signal may have been stopped early; where no signal shares the pause, its length tells a jump."""
+    steps = np.full(1000, 10)
+    steps[500] = 2010
+    t_ns = times(*steps)
+    pause = [(int(t_ns[500]), 2010 * MS)]
+    shares, early = witness(SIGNAL, 0, 12_000, pause), witness(SIGNAL, 0, 10_000)
+    assert judged(t_ns, shares, early)[0] == []
+    assert judged(t_ns, early)[0] == list(range(501, 1001))
+
+
 def test_stamps_and_signals_tell_of_every_step():
     """What does not begin and end when it likes is never beyond telling."""
     t_ns = stretch((0, 10_000))
