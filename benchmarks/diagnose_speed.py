@@ -1,11 +1,14 @@
 """Seconds of `tactiledata diagnose STORE` once the gel's plays are kept: 60 trajectories from store to page.
 
-    python benchmarks/diagnose_speed.py [--quick] [--touches 60] [--folder FOLDER]
+    python benchmarks/diagnose_speed.py [--quick] [--touches 60] [--own-pad] [--folder FOLDER]
 
 The rig records a world with relaxation in a formula of its own; the toolkit ingests it, and plays it once on a coarse
 pad, all gels and indenters that effects stand for included. What follows is timed in a process of its own and does not
 depend on the pad: reading the store and the kept plays, naming, locating, showing, the page. The answer does: a coarse
 pad is no gel. Checked is that page and document are, byte by byte, those of the first run.
+
+With `--own-pad` two processes play the sensor's own pad at finite strain, and the first run counts, which finds nothing
+kept: seconds to its first answer, where there is one before the end, and to its end.
 """
 
 from __future__ import annotations
@@ -69,29 +72,33 @@ def coarse_pad(sensor: str, geometry: GelGeometry) -> PadMesh:
 class Diagnosis:
     """A contestant: one diagnosis in a process of its own."""
 
-    def __init__(self, store: str, count: int) -> None:
-        self._store, self._count = store, count
+    def __init__(self, store: str, count: int, own_pad: bool) -> None:
+        self._store, self._count, self._own_pad = store, count, own_pad
 
     def run(self, out: str) -> dict[str, Any]:
         """The document's answer, and seconds from step to step."""
         steps: list[tuple[str, float]] = []
         options = DiagnosisOptions(trajectories=self._count, make_pad=coarse_pad)
+        if self._own_pad:
+            options = DiagnosisOptions(trajectories=self._count, workers=2)
+        first_answers: list[float] = []
         began = time.perf_counter()
         done = diagnose_store(
             Store.open(self._store),
             options,
             step_progress=lambda what: steps.append((what, time.perf_counter() - began)),
+            first_answer=lambda _: first_answers.append(time.perf_counter() - began),
         )
         steps.append(("page and document", time.perf_counter() - began))
         document = store_document(done)
         write_store_diagnosis(Path(out), "the world", done, document)
         steps.append(("", time.perf_counter() - began))
-        return {"sentence": document["sentences"][0], "steps": steps}
+        return {"sentence": document["sentences"][0], "steps": steps, "first_answers": first_answers}
 
 
-def _diagnosed(store: Path, count: int, out: Path) -> tuple[float, float, Any]:
+def _diagnosed(store: Path, count: int, out: Path, own_pad: bool) -> tuple[float, float, Any]:
     """Seconds, processor seconds and what was found, of a process of its own."""
-    seat = Seat(Diagnosis, str(store), count)
+    seat = Seat(Diagnosis, str(store), count, own_pad)
     told: tuple[float, float, Any] = seat.call("run", str(out))
     seat.close()
     return told
@@ -102,6 +109,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="ten trajectories")
     parser.add_argument("--touches", type=int, default=60)
+    parser.add_argument("--own-pad", action="store_true", help="play the sensor's own pad at finite strain")
     parser.add_argument("--folder", type=Path, help="where the world and its plays are kept for another run")
     asked = parser.parse_args()
     count = 10 if asked.quick else asked.touches
@@ -113,9 +121,11 @@ def main() -> None:
         if not store.exists():
             ingest(record(load_scenario(scenario(count)), folder / "logs", "mcap"), store)
         header(f"diagnosing {count} trajectories", ("numpy", "scipy", "scikit-learn", "matplotlib"))
-        first, _, _ = _diagnosed(store, count, folder / "first")
+        first, _, told = _diagnosed(store, count, folder / "first", asked.own_pad)
         print(f"with plays: {first:.0f} s")
-        seconds, processor, found = _diagnosed(store, count, folder / "second")
+        for at in told["first_answers"]:
+            print(f"first answer, from estimated plays: {at:.0f} s")
+        seconds, processor, found = _diagnosed(store, count, folder / "second", asked.own_pad)
         alike = [filecmp.cmp(folder / "first" / name, folder / "second" / name, shallow=False) for name in WRITTEN]
     print(f"answer: {found['sentence']}")
     print(f"plays kept: {seconds:.1f} s, {processor:.1f} s of processors")
