@@ -8,7 +8,7 @@ depend on the pad: reading the store and the kept plays, naming, locating, showi
 pad is no gel. Checked is that page and document are, byte by byte, those of the first run.
 
 With `--own-pad` two processes play the sensor's own pad at finite strain, and the first run counts, which finds nothing
-kept: seconds to its first answer, where there is one before the end, and to its end.
+kept: seconds to the preview, to a first answer where there is one before the end, and to its end.
 """
 
 from __future__ import annotations
@@ -81,13 +81,18 @@ class Diagnosis:
         options = DiagnosisOptions(trajectories=self._count, make_pad=coarse_pad)
         if self._own_pad:
             options = DiagnosisOptions(trajectories=self._count, workers=2)
-        first_answers: list[float] = []
+        first_answers: list[tuple[float, str]] = []
+
+        def tell(sentence: str) -> None:
+            first_answers.append((time.perf_counter() - began, sentence))
+
         began = time.perf_counter()
         done = diagnose_store(
             Store.open(self._store),
             options,
             step_progress=lambda what: steps.append((what, time.perf_counter() - began)),
-            first_answer=lambda _: first_answers.append(time.perf_counter() - began),
+            first_answer=tell,
+            preview=tell,
         )
         steps.append(("page and document", time.perf_counter() - began))
         document = store_document(done)
@@ -123,8 +128,8 @@ def main() -> None:
         header(f"diagnosing {count} trajectories", ("numpy", "scipy", "scikit-learn", "matplotlib"))
         first, _, told = _diagnosed(store, count, folder / "first", asked.own_pad)
         print(f"with plays: {first:.0f} s")
-        for at in told["first_answers"]:
-            print(f"first answer, from estimated plays: {at:.0f} s")
+        for at, sentence in told["first_answers"]:
+            print(f"told after {at:.0f} s: {sentence}")
         seconds, processor, found = _diagnosed(store, count, folder / "second", asked.own_pad)
         alike = [filecmp.cmp(folder / "first" / name, folder / "second" / name, shallow=False) for name in WRITTEN]
     print(f"answer: {found['sentence']}")

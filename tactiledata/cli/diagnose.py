@@ -188,7 +188,12 @@ def _store(location: str, out: Path | None, options: Any, quiet: bool) -> tuple[
             if not quiet:
                 err().print(plain(f"First answer, from estimated plays: {sentence} The rest is played in full now."))
 
-        diagnosis = diagnose_store(Store.open(location), options, report_play, report_step, tell)
+        def tell_preview(words: str) -> None:
+            """Print what a few trajectories show while the others are played."""
+            if not quiet:
+                err().print(plain(words))
+
+        diagnosis = diagnose_store(Store.open(location), options, report_play, report_step, tell, tell_preview)
         report_progress(plays[0] + STEPS, plays[0] + STEPS, "done")
     document = store_document(diagnosis)
     written = [] if out is None else write_store_diagnosis(out, Path(location).name, diagnosis, document)

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from tactiledata.calibrate.measured import read_measured
+from tactiledata.calibrate.options import CalibrationOptions
+from tactiledata.calibrate.plays.learned_plays import example_touches
 from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.diagnose.answer.diagnosis import StoreDiagnosis
-from tactiledata.diagnose.answer.sentences import Answer
+from tactiledata.diagnose.answer.sentences import Answer, preview_words
 from tactiledata.diagnose.formula.explain import explain
 from tactiledata.diagnose.naming.full_plays import named_with_full_plays
 from tactiledata.diagnose.naming.name_effects import NamingResult, name_effects
@@ -25,6 +28,7 @@ from tactiledata.diagnose.zeros.dead_band import find_dead_band
 from tactiledata.diagnose.zeros.inertia import find_inertia
 from tactiledata.diagnose.zeros.readings import StoreReadings
 from tactiledata.effects.touch.response import GelVariant
+from tactiledata.errors import TactileDataError
 from tactiledata.replay.opened import OpenedStore
 from tactiledata.store.check.values import need_sound_values
 from tactiledata.store.read.reader import Store
@@ -40,6 +44,7 @@ def diagnose_store(
     play_progress: Progress = no_progress,
     step_progress: Callable[[str], None] = lambda what: None,
     first_answer: Callable[[str], None] = lambda sentence: None,
+    preview: Callable[[str], None] | None = None,
 ) -> StoreDiagnosis:
     """Return which physics the simulation of a store's touches lacks, where they differ, and what to record next.
 
@@ -55,6 +60,9 @@ def diagnose_store(
         Called with a few words at the beginning of each later step.
     first_answer : callable
         Called with the first sentence of an answer from estimated plays, where gels have yet to be played in full.
+    preview : callable, optional
+        Called once with what the trajectories tell from which plays of the others are learned, as soon as these are
+        played; at finite strain, where there are others. Their plays serve the whole diagnosis, too.
 
     Raises
     ------
@@ -81,6 +89,9 @@ def diagnose_store(
         )
         return name_effects(played.touch_set, played.start, naming_options, step_progress)
 
+    # what the examples tell, whose plays come first
+    if preview is not None and options.fidelity == "finite-strain":
+        _preview(opened, calibration, play_progress, name, preview)
     # name what is missing
     played, naming, full_plays = named_with_full_plays(
         play, name, DEFAULT_THRESHOLDS, lambda naming: first_answer(Answer(naming).what[0])
@@ -121,3 +132,35 @@ def diagnose_store(
         full_plays,
         tuple(filter(None, shown_by_readings)),
     )
+
+
+def _preview(
+    opened: OpenedStore,
+    calibration: CalibrationOptions,
+    play_progress: Progress,
+    name: Callable[[StoreTouches], NamingResult],
+    tell: Callable[[str], None],
+) -> None:
+    """Tell what the touches show from which plays of the others are learned, if there are others.
+
+    Parameters
+    ----------
+    opened : OpenedStore
+        Recordings.
+    calibration : CalibrationOptions
+        Which trajectories are drawn, and how the gel plays them.
+    play_progress : Progress
+        Called with how many plays of touches are finished.
+    name : callable
+        Names the effects that the simulation of touches lacks.
+    tell : callable
+        Called with a sentence or two, or with the reason why there are none.
+    """
+    drawn = read_measured(opened, calibration).touches
+    examples = [drawn[place].uid for place in example_touches([touch.touch for touch in drawn])]
+    if len(examples) == len(drawn):
+        return
+    try:
+        tell(preview_words(name(store_touches(opened, calibration, play_progress, only=examples)), len(drawn)))
+    except TactileDataError as error:
+        tell(f"There is no preview: {error.found}.")

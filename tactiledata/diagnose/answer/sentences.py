@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from tactiledata.contract.wording import counted
 from tactiledata.diagnose.naming.evidence import ScoredCandidate
 from tactiledata.diagnose.naming.intervals import ProfiledInterval
 from tactiledata.diagnose.naming.name_effects import NamingResult
@@ -26,6 +27,26 @@ NEAR_BOUND = 0.01
 """Share of an interval within which a value counts as at its bound."""
 # from SI into the units of sentences
 _SCALES = {"E": (1e-3, "kPa"), "nu": (1.0, "1"), "mu": (1.0, "1")}
+
+
+def preview_words(naming: NamingResult, drawn: int) -> str:
+    """Return what a few of the drawn trajectories show: E, nu and mu of the plain fit, and the answer.
+
+    Parameters
+    ----------
+    naming : NamingResult
+        The answer to these trajectories.
+    drawn : int
+        Number of all trajectories that were drawn.
+    """
+    gel = naming.base.model.material
+    told = []
+    for (name, (scale, unit)), value in zip(
+        _SCALES.items(), (gel.youngs_modulus, gel.poisson_ratio, gel.friction), strict=True
+    ):
+        told.append(f"{name} {rounded(value * scale, 3)}{'' if unit == '1' else ' ' + unit}")
+    few = len(naming.whitened.touch_set.touches)
+    return f"Preview, from {few} of {counted(drawn, 'trajectory')}: {joined_names(told)}. {Answer(naming).what[0]}"
 
 
 def effect_numbers(intervals: Sequence[ProfiledInterval]) -> list[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -128,6 +128,7 @@ def store_touches(
     options: CalibrationOptions,
     progress: Progress = no_progress,
     full: Collection[GelVariant] = (),
+    only: Collection[str] | None = None,
 ) -> StoreTouches:
     """Return the chosen trajectories of a store, played by the gel.
 
@@ -141,6 +142,8 @@ def store_touches(
         Called with how many plays of touches are finished, how many there are, and what was played last.
     full : collection of GelVariant
         Variants of the gel that are played at finite strain even where they could be estimated.
+    only : collection of str, optional
+        Unique identifiers of the drawn trajectories that are taken; all by default.
 
     Raises
     ------
@@ -149,6 +152,8 @@ def store_touches(
     """
     # measured trajectories
     measured = read_measured(opened, options)
+    if only is not None:
+        measured = replace(measured, touches=tuple(touch for touch in measured.touches if touch.uid in only))
     if measured.mesh is None or len(measured.touches) < FEWEST_CASES:
         raise too_few(len(measured.touches), measured.left_out)
     planned = {touch.uid: touch for touch in opened.plan.touches}
