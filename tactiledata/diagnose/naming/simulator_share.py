@@ -25,7 +25,8 @@ class SimulatorError:
     deviations : float
         Fitted size in standard deviations of its prior; positive where the simulated force is too small.
     share : float
-        Fitted size as a share of the force; of the growth of force, as a share over a factor e of the force.
+        Fitted size as a share of the force; of the growth of force, as a share over a factor e of the force; of the
+        centre of pressure, in m. The two errors by a tilt grow with its sine; theirs holds for a sine of 1.
     indenter : str
         Indenter whose forces are off; empty where the error is common to all.
     kind : str
@@ -40,7 +41,17 @@ class SimulatorError:
 
 
 def simulator_share(whitened: WhitenedTouches, fit: JointFit) -> list[SimulatorError]:
-    """Return the simulation's errors of a fit, in the order of `WhitenedTouches.simulation_error_fields`."""
+    """Return the size of every error of the simulation in a fit, in standard deviations and as a share of the force.
+
+    There is one entry, however small, for each field of `WhitenedTouches.simulation_error_fields`, in their order.
+
+    Parameters
+    ----------
+    whitened : WhitenedTouches
+        Trajectories of the fit, with the sizes of errors with which it was made.
+    fit : JointFit
+        Fit to them, with or without effects.
+    """
     return [
         SimulatorError(error.label, float(size), float(size) * error.deviation, error.indenter, error.what)
         for error, size in zip(whitened.simulation_errors, fit.model.errors, strict=True)

@@ -40,7 +40,7 @@ def with_interval(value: float, half_width: float, unit: str) -> str:
         Unit of both; left out where it is 1 or not known.
     """
     if not math.isfinite(half_width) or half_width <= 1e-9 * abs(value):
-        return f"{rounded(value)} {unit}".strip()
+        return quantity(value, unit)
     places = max(-3, (0 if half_width >= 2 * 10 ** math.floor(math.log10(half_width)) else 1)
                  - math.floor(math.log10(half_width)))  # fmt: skip
     digits = max(places, 0)
@@ -50,6 +50,8 @@ def with_interval(value: float, half_width: float, unit: str) -> str:
 
 def signed_change(name: str, value: float, half_width: float, unit: str) -> str:
     """Return a clause such as ``"E falls by 11 ± 2 %"``.
+
+    A change of 0 "falls". Rounding, and where half width and unit are left out, are as in `with_interval`.
 
     Parameters
     ----------
@@ -65,6 +67,8 @@ def signed_change(name: str, value: float, half_width: float, unit: str) -> str:
 
 def departs(name: str, size: float, half_width: float, unit: str) -> str:
     """Return a clause such as ``"measured fz is 2.2 ± 0.3 times the noise below the simulated one"``.
+
+    A size of 0 lies "below". Rounding, and where half width and unit are left out, are as in `with_interval`.
 
     Parameters
     ----------
