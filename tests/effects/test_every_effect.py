@@ -10,6 +10,7 @@ import pytest
 from example_effect import EVERY_EFFECT
 
 from tactiledata import effects
+from tactiledata.diagnose.naming.signatures import shape_grids
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.base import CONTACT_SLOTS, SLOTS
 from tactiledata.effects.closed_form.ball_on_layer import BallOnLayer
@@ -80,6 +81,16 @@ def test_parameters_are_sound(name):
     assert EFFECTS[name]().variant({}).together_with(GelVariant()) == EFFECTS[name]().variant({})
     for parameter, places in effect.designs.items():
         assert all(EFFECTS[name]().variant({parameter: place}) != GelVariant() for place in places)
+
+
+@every_effect
+def test_shapes_that_no_screen_varies_default_to_their_grid_value(name):
+    """A shape with fewer than two grid values keeps its default in a screen, which is then its only grid value."""
+    effect = EFFECTS[name]
+    fixed = [p for p in effect.parameters if p.null is None and len(p.grid) < 2]
+    assert [p.grid for p in fixed] == [(p.default,) for p in fixed]
+    varied = {shape for shapes in shape_grids(effect) for shape in shapes}
+    assert not varied & {p.name for p in fixed}
 
 
 @every_effect
