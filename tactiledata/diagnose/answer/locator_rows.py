@@ -259,12 +259,13 @@ def event_picture(
     Parameters
     ----------
     event : EventLocked
+        Means about one kind of event; all k components are drawn.
     components : tuple of str
-        Names of the residual's components.
+        Names of all k components of the residual, in the order of the columns of ``event.mean``.
     note : str
-        Follows the name of the event in the title.
+        Follows the name of the event in the title as it is, its separator included, such as ``", plain"``.
     scale : str
-        Unit of the residual, for the axis.
+        Unit of the residual, for the axis, as `Residuals.scale` has it; no value is converted.
     """
     return EventPicture(f"{event.event}{note}", event.frames, event.mean, event.deviation, components, scale)
 
@@ -279,7 +280,7 @@ def map_picture(region: RegionMap, note: str = "") -> MapPicture:
     region : RegionMap
         Map of one parameter over the gel.
     note : str
-        Follows the name of the parameter in the title.
+        Follows the name of the parameter in the title as it is, its separator included, such as ``", plain"``.
     """
     parameter, scale, unit = region.change.parameter, 1.0, region.change.parameter.unit
     if region.change.is_relative:

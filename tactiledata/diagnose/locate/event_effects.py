@@ -39,7 +39,7 @@ class EventEffect:
     shape : "stays", "rises" or "fades"
         Shape of the departure with the largest statistic.
     size : float
-        Size of the departure, times the noise.
+        Size of the departure, in the unit that `Residuals.scale` names.
     statistic : float
         Size over standard error, as a standard normal value.
     p : float

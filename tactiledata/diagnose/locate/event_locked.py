@@ -42,7 +42,7 @@ class Cluster:
     p : float
         Family-wise p-value over all events and components.
     peak : float
-        Mean of largest absolute value in the run, times the noise.
+        Mean of largest absolute value in the run, in the unit that `Residuals.scale` names.
     """
 
     component: str
@@ -66,7 +66,8 @@ class EventLocked:
     frames : (w,)
         Frames of the window, relative to the event.
     mean, deviation : (w, k)
-        Mean over units of exchange and its standard error, times the noise; NaN where fewer than 5 have the frame.
+        Mean over units of exchange and its standard error, in the unit that `Residuals.scale` names; NaN
+        where fewer than 5 have the frame.
     clusters : tuple of Cluster
         The clusters, the most certain first.
     words : str

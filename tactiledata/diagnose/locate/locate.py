@@ -53,8 +53,9 @@ class LocateOptions:
     is_fitted : bool
         Whether the shared parameters were fitted to these residuals; common offsets are then not tested.
     errors : dict, name -> float, optional
-        Standard deviation that the simulation's own errors cause in contrasts of each component and parameter; all
-        findings must exceed it. ``None`` where it is not known: contrasts are then not tested.
+        Standard deviation that the simulation's own errors cause in contrasts of each component and parameter, in the
+        units of `Contrast.size`; all findings must exceed it. ``None`` where it is not known: contrasts are then not
+        tested.
     """
 
     order_by: str = "index"

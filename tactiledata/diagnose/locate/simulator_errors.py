@@ -32,10 +32,11 @@ def beyond_errors(findings: Sequence[Finding], errors: Mapping[str, float] | Non
     Parameters
     ----------
     findings : sequence
-        Findings of one locator. Those of a kind whose size is not known here keep their p-value.
+        Findings of one locator. Those of a kind that is not in ``SIZED`` keep their p-value; none is left out.
     errors : dict, name of a component or parameter -> float, optional
-        Standard deviation by errors of the simulation, as in `LocateOptions.errors`. What has no entry keeps its
-        p-value; ``None``: all findings are returned unchanged, in their order.
+        Standard deviation by errors of the simulation, as in `LocateOptions.errors`: times the noise for components;
+        for parameters a share of the value where that is known and not 0, else in the parameter's unit. What has no
+        entry keeps its p-value; ``None``: all findings are returned unchanged, in their order.
     """
     if errors is None:
         return tuple(findings)

@@ -39,7 +39,8 @@ class Leaf:
     component : str
         Name of the component.
     effect, half_width : float
-        Mean residual in the second half and half width of its interval (two standard errors), times the noise.
+        Mean residual in the second half and half width of its interval (two standard errors), in the unit
+        that `Residuals.scale` names.
     p : float
         Family-wise p-value over all leaves and components.
     words : str

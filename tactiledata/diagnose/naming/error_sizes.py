@@ -33,8 +33,9 @@ them does not simulate this gel."""
 def with_estimated_errors(whitened: WhitenedTouches, fit: JointFit) -> tuple[WhitenedTouches, JointFit]:
     """Return the trajectories with all sizes of errors estimated from the residual of a plain fit, and the fit to them.
 
-    Errors that touches of an indenter share and those of single touches compete for the same residual: their sizes are
-    estimated in turn, ``TURNS`` times.
+    A size is a factor on standard deviations: `NumericalErrors.sizes` of errors that touches share, `OwnErrors.sizes`
+    of those of single touches. The two compete for the same residual: they are estimated in turn, ``TURNS`` times, each
+    time with a new fit without effects.
 
     Parameters
     ----------
@@ -60,9 +61,10 @@ def with_simulated_by(whitened: WhitenedTouches, fit: JointFit) -> WhitenedTouch
 def with_estimated_sizes(whitened: WhitenedTouches, fit: JointFit) -> WhitenedTouches:
     """Return the trajectories with the sizes of the simulation's errors that make the residual of a fit most likely.
 
-    There is one size for each family and indenter. They maximise the marginal likelihood of the residual, to first
-    order about the fit, times a hierarchical log-normal prior (empirical Bayes): sizes of a family are alike. What is
-    missing from the fitted model can only make them larger.
+    There is one size for each family and indenter (`NumericalErrors.sizes`), from ``SMALLEST`` to ``LARGEST``. They
+    maximise the marginal likelihood of the residual, to first order about the fit, times a hierarchical log-normal
+    prior (empirical Bayes): sizes of a family are alike. What is missing from the fitted model can only make them
+    larger.
 
     Parameters
     ----------

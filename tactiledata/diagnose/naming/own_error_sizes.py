@@ -82,8 +82,9 @@ def odd_touches(whitened: WhitenedTouches, fit: JointFit) -> tuple[OddTouch, ...
 def with_estimated_own_sizes(whitened: WhitenedTouches, fit: JointFit) -> WhitenedTouches:
     """Return the trajectories with the sizes of own factors that make the residual of a fit most likely.
 
-    For each indenter by itself the size maximises the marginal likelihood of the residual of its trajectories, with
-    everything that trajectories share as fitted, times a log-normal prior (empirical Bayes).
+    A size (`OwnErrors.sizes`) is from ``SMALLEST`` to ``LARGEST``. For each indenter by itself it maximises the
+    marginal likelihood of the residual of its trajectories, with everything that trajectories share as fitted, times a
+    log-normal prior (empirical Bayes).
 
     Parameters
     ----------
@@ -110,7 +111,7 @@ def own_size_penalty(whitened: WhitenedTouches, fit: JointFit, sizes: Mapping[st
     fit : JointFit
         Fit to them.
     sizes : dict, indenter -> float
-        The other sizes.
+        The other sizes; 1 for an indenter that has no entry.
     """
     change = 0.0
     for name, touches in _by_indenter(whitened, fit).items():

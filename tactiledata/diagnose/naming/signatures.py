@@ -81,7 +81,11 @@ class Signature:
 
 
 def shape_grids(effect: Effect) -> Iterator[dict[str, float]]:
-    """Yield every combination of grid values of an effect's shape parameters, which a screen tries."""
+    """Yield every combination of grid values of an effect's shape parameters, which a screen tries.
+
+    A shape with fewer than two grid values is left out and keeps its default; where none is left, the only combination
+    is an empty dict. Values are in the parameters' units.
+    """
     shapes = [parameter for parameter in effect.parameters if parameter.null is None and len(parameter.grid) > 1]
     for values in itertools.product(*(shape.grid for shape in shapes)):
         yield dict(zip((shape.name for shape in shapes), values, strict=True))
@@ -101,7 +105,7 @@ def size_count(effect: Effect) -> int:
 
 
 def deviation_of(parameter: Parameter) -> float:
-    """Return the standard deviation of a strength's prior: as declared, or a quarter of its plausible range."""
+    """Return a strength's prior standard deviation, in its unit: as declared, or a quarter of its plausible range."""
     return parameter.deviation or (parameter.plausible[1] - parameter.plausible[0]) / 4.0
 
 

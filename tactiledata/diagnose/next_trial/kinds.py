@@ -25,7 +25,7 @@ STEPS = 6
 def hold(bench: TrialBench) -> Trial:
     """Return a press of the ball to its depth at 3 mm/s, held for 60 s: it shows what changes without motion.
 
-    Made to tell relaxation from a lag of the force sensor.
+    The depth is `TrialBench.depth`. Made to tell relaxation from a lag of the force sensor.
     """
     depth = bench.depth(bench.ball)
     held = (dwell(2.0, 60), dwell(8.0, 80), dwell(50.0, 100))
@@ -36,7 +36,7 @@ def hold(bench: TrialBench) -> Trial:
 def rate_ladder(bench: TrialBench) -> Trial:
     """Return presses of the ball to its depth and back, at 0.1, 0.3, 1 and 3 mm/s: they show what depends on rate.
 
-    Made for relaxation and lags.
+    The depth is `TrialBench.depth`. Made for relaxation and lags of the force sensor.
     """
     depth = bench.depth(bench.ball)
     speeds = (1e-4, 3e-4, 1e-3, 3e-3)
@@ -138,8 +138,8 @@ def from_power_on(bench: TrialBench) -> Trial:
 def slides(bench: TrialBench) -> Trial:
     """Return slides of 2 mm at 0.3, 1 and 5 mm/s under each of three loads: they show the law of friction.
 
-    The loads are the ball's at 0.5, 0.75 and 1 times its depth. Made for friction that depends on speed or area, and
-    for static friction.
+    The loads are the ball's at 0.5, 0.75 and 1 times its depth (`TrialBench.depth`). It slides along x, back, and along
+    x again. Made for friction that depends on speed or area, and for static friction.
     """
     depth = bench.depth(bench.ball)
     ways = (shear(SLIDE, 0.0, 3e-4), shear(-SLIDE, 0.0, 1e-3), shear(SLIDE, 0.0, 5e-3))
@@ -153,7 +153,8 @@ def slides(bench: TrialBench) -> Trial:
 def hold_then_slide(bench: TrialBench) -> Trial:
     """Return three touches of the ball, held for 1, 10 and 100 s before a slide: they show how friction grows at rest.
 
-    They go to 0.75 of the depth and slide by 2 mm at 0.5 mm/s. Made for the ageing of a resting contact.
+    They go to 0.75 of the depth (`TrialBench.depth`) at 1 mm/s, slide by 2 mm along x at 0.5 mm/s, and leave the gel.
+    Made for the ageing of a resting contact.
     """
     depth = 0.75 * bench.depth(bench.ball)
     touches = tuple(
@@ -170,7 +171,8 @@ def hold_then_slide(bench: TrialBench) -> Trial:
 def shear_and_back(bench: TrialBench) -> Trial:
     """Return one touch of the ball with shear by 0.2 and 0.4 mm to both sides and back: it shows hysteresis.
 
-    It stays below sliding, at 0.5 mm/s and the full depth. Made for partial slip, the stem's bending and dead bands.
+    It shears along x, and stays below sliding, at 0.5 mm/s and the full depth (`TrialBench.depth`). Made for partial
+    slip, the stem's bending and dead bands.
     """
     depth = bench.depth(bench.ball)
     ways = [shear(sign * size, 0.0, SLOW, size / 4, 0.1) for size in (2e-4, 4e-4) for sign in (1.0, -2.0, 1.0)]
@@ -200,7 +202,8 @@ def three_radii(bench: TrialBench) -> Trial:
 def taps(bench: TrialBench) -> Trial:
     """Return a tap of the ball at the start of a recording and one ten minutes later: they show how clocks run.
 
-    Both go to the depth and back at 3 mm/s. Made to tell clocks that run at different rates from a lag.
+    Both go to the depth (`TrialBench.depth`) and back at 3 mm/s. Made to tell clocks that run at different rates from a
+    lag.
     """
     touch = TrialTouch(bench.ball, (press(bench.depth(bench.ball), QUICK, settle=1.0), retreat(QUICK)))
     return Trial("taps", "Tap at the start and ten minutes later in one recording", (touch,) * 2, burst=40, pause=600.0)

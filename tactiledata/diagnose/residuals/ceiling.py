@@ -40,8 +40,8 @@ class BlackBox:
     Parameters
     ----------
     predicted : (n, k)
-        Predicted residual, times the noise, by trees that were grown on other units of exchange; all 0 where the
-        predictions would increase the sum of squares.
+        Predicted residual, in the unit that `Residuals.scale` names, by trees that were grown on other units of
+        exchange; all 0 where the predictions would increase the sum of squares.
     squares : (u,)
         Sum of squares of each unit of exchange after the predictions are subtracted, with each trajectory's own
         parameters at their most likely values.

@@ -23,8 +23,8 @@ def pose_status(pose: Array, rest: Array, relief: IndenterRelief, thickness: flo
     """Return why a frame cannot be solved, or ``SOLVED`` where it can be tried, contact or none.
 
     ``POSE_MISSING``: a number of the pose is not finite. ``TOO_DEEP``: the indenter overlaps the undeformed gel by more
-    than ``DEEPEST`` times the thickness. ``BESIDE_THE_PAD``: it overlaps nothing, and its tip is more than half the
-    thickness below the surface.
+    than ``DEEPEST`` times the thickness. ``BESIDE_THE_PAD``: it overlaps nothing, and its tip, the origin of its frame,
+    lies more than half the thickness below z = 0. ``NO_CONTACT`` and ``NOT_CONVERGED`` are never returned.
 
     Parameters
     ----------

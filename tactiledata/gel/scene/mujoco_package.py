@@ -10,17 +10,20 @@ from tactiledata.errors import UsageError
 
 
 def load_mujoco(what: str) -> Any:
-    """Import MuJoCo, set up to draw also where there is no window system.
+    """Return the module ``mujoco``, imported now and set up to draw also where there is no window system.
+
+    On Linux without ``DISPLAY`` it sets the environment variable ``MUJOCO_GL`` to ``egl`` unless it is set; that has no
+    effect where MuJoCo was imported before.
 
     Parameters
     ----------
     what : str
-        What needs MuJoCo, in words, for the message.
+        What needs MuJoCo: the subject of the message's sentence, such as ``"the scene"``.
 
     Raises
     ------
     UsageError
-        MuJoCo is not installed.
+        MuJoCo cannot be imported.
     """
     if sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
         # read when mujoco is first imported; without a window system only EGL or OSMesa can draw
