@@ -64,7 +64,7 @@ def transfer_touches(
         report_step(f"   left out: {error.found}")
         return None, None
     _report_score(scored, source, report_step)
-    report_step(f"   Open:  {transferred['picture']}")
+    report_step(f"   Open:  {transferred['picture']}: touches of simulated recordings before and after, row by row")
     return transferred, scored
 
 

@@ -42,7 +42,7 @@ def test_a_person_sees_method_reason_scores_and_picture(tiny_store, tmp_path, ti
     assert f": {style['D20001']:.3g}" in before
     assert f": {style[scored['kept'][0]['first']]:.3g}" in after
     assert "by construction" in text
-    assert lines[-1].endswith("D20001-ycb-sensorA.png")
+    assert "D20001-ycb-sensorA.png: touches of simulated recordings" in lines[-1]
 
 
 @pytest.mark.parametrize("name", ["demo", "tiny"])
