@@ -83,7 +83,7 @@ def transfer(
             report = transfer_store(opened, target, way, written, named, tell, measured)
         lost = list(touch_findings(kept, way.name.replace("_", "-"), target.name))
         report = replace(report, findings=(*report.findings, *lost))
-        picture = write_transfer_picture(opened, Store.open(written), target.background, written.with_suffix(".png"))
+        picture = write_transfer_picture(opened, Store.open(written), target, way.name, written.with_suffix(".png"))
     if as_json:
         hashes = {"model": getattr(way, "model", ""), "recipe": getattr(way, "recipe", "")}
         simulated = {"simulated_recordings": simulated_recordings(opened).document()}

@@ -12,6 +12,8 @@ from split_models.transfer.transfer_take import PARENT
 from tactiledata.arrays import PictureArray
 from tactiledata.contract.atomic import write_atomic
 from tactiledata.store.read.reader import Store
+from tactiledata.store.read.simulated import simulated_recordings
+from tactiledata.store.read.targets import Target
 
 ROWS = 4
 """Number of touches in the picture."""
@@ -19,19 +21,25 @@ HEIGHT = 320
 """Height in px of each touch and background."""
 MARGIN = 8
 CAPTION = 22
+TITLE = 32
+TITLE_SCALE = 0.6
+FONT = cv2.FONT_HERSHEY_SIMPLEX
 
 
-def write_transfer_picture(source: Store, made: Store, target_background: PictureArray, path: Path) -> Path:
+def write_transfer_picture(source: Store, made: Store, target: Target, method: str, path: Path) -> Path:
     """Write a PNG with a row for each of a few touches: source background, touch, transferred touch, target background.
 
-    Each row is the frame with the largest force of a trajectory; the trajectories are spread over the store.
+    Each row is the frame with the largest force of a trajectory; the trajectories are spread over the store. The title
+    says which sensor's style was given by which method, and where recordings are simulated.
 
     Parameters
     ----------
     source, made : Store
         The store that was transferred, and the resulting store.
-    target_background : (H, W, 3) uint8 RGB
-        The target without contact.
+    target : Target
+        The sensor whose style was given.
+    method : str
+        Name of the method.
     path : Path
         File to write, which is returned.
     """
@@ -43,13 +51,14 @@ def write_transfer_picture(source: Store, made: Store, target_background: Pictur
         sensor = str(sensors[parent].as_py())
         rows.append(
             (
-                (sensor, source.reference(sensor).image),
-                ("touch", np.asarray(source.images([parent])[0])),
-                ("transferred", np.asarray(made.images([row])[0])),
-                ("target", target_background),
+                (f"{sensor}, untouched", source.reference(sensor).image),
+                ("its touch", np.asarray(source.images([parent])[0])),
+                ("the touch, transferred", np.asarray(made.images([row])[0])),
+                (f"{target.name}, untouched", target.background),
             )
         )
-    encoded = cv2.imencode(".png", sheet(rows)[..., ::-1])[1].tobytes()
+    title = simulated_recordings(source).titled(f"Touches in the style of {target.name}, by {method.replace('_', '-')}")
+    encoded = cv2.imencode(".png", titled(sheet(rows), title)[..., ::-1])[1].tobytes()
     path.parent.mkdir(parents=True, exist_ok=True)
     write_atomic(path, encoded)
     return path
@@ -62,14 +71,27 @@ def sheet(rows: Sequence[Sequence[tuple[str, PictureArray]]]) -> PictureArray:
     return np.vstack([cv2.copyMakeBorder(row, 0, 0, 0, width - row.shape[1], 0, value=(255,) * 3) for row in drawn])
 
 
+def titled(drawn: PictureArray, title: str) -> PictureArray:
+    """A sheet below a line of text, and as wide as that line where it is narrower."""
+    needed = cv2.getTextSize(_plain(title), FONT, TITLE_SCALE, 1)[0][0] + 2 * MARGIN
+    margins = (TITLE, 0, 0, max(0, needed - drawn.shape[1]))
+    framed = cv2.copyMakeBorder(drawn, *margins, cv2.BORDER_CONSTANT, value=(255,) * 3)
+    cv2.putText(framed, _plain(title), (MARGIN, TITLE - 10), FONT, TITLE_SCALE, (0, 0, 0), 1, cv2.LINE_AA)
+    return np.asarray(framed, np.uint8)
+
+
 def _captioned(words: str, picture: PictureArray) -> PictureArray:
     """The picture, scaled to `HEIGHT`, with margins and a caption above."""
     scale = HEIGHT / picture.shape[0]
     shown = cv2.resize(picture, (round(picture.shape[1] * scale), HEIGHT), interpolation=cv2.INTER_AREA)
     framed = cv2.copyMakeBorder(shown, CAPTION, MARGIN, MARGIN, MARGIN, cv2.BORDER_CONSTANT, value=(255,) * 3)
-    plain = words.encode("ascii", "replace").decode()  # OpenCV's font has ASCII characters only
-    cv2.putText(framed, plain, (MARGIN, CAPTION - 6), cv2.FONT_HERSHEY_SIMPLEX, 0.45, (0, 0, 0), 1, cv2.LINE_AA)
+    cv2.putText(framed, _plain(words), (MARGIN, CAPTION - 6), FONT, 0.45, (0, 0, 0), 1, cv2.LINE_AA)
     return np.asarray(framed, np.uint8)
+
+
+def _plain(words: str) -> str:
+    """The words in ASCII characters, as OpenCV's font has no others."""
+    return words.encode("ascii", "replace").decode()
 
 
 def _touches(made: Store) -> list[int]:

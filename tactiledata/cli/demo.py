@@ -1,4 +1,4 @@
-"""`demo`: all steps from recording to diagnosis, on simulated recordings of a bundled world, with reports."""
+"""`demo`: all steps from recording to diagnosis and transfer, on simulated recordings, with reports."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import typer
 
 from tactiledata.cli.demo_diagnosis import diagnose_touches
 from tactiledata.cli.demo_gel import play_gel
+from tactiledata.cli.demo_transfer import transfer_touches
 from tactiledata.cli.documents import wrong_document_is_wrong_usage
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say
 from tactiledata.contract.wording import counted
@@ -25,6 +26,7 @@ def register(app: typer.Typer) -> None:
 
 
 def demo(
+    context: typer.Context,
     out: Path = typer.Option(Path("demo-out"), "--out", help="Folder for everything that the demo makes."),
     world: str = typer.Option("demo", "--world", help="Scenario to record: demo, tiny, or a scenario file."),
     workers: int = typer.Option(2, "--workers", help="Number of local processes."),
@@ -35,7 +37,8 @@ def demo(
 ) -> None:
     """Run all steps on simulated recordings of a small world.
 
-    The steps are record, ingest, split, audit, calibrate, replay, load a batch, report and diagnose.
+    The steps are record, ingest, split, audit, calibrate, replay, load a batch, report, diagnose, and transfer to
+    another sensor with scores.
 
     Example: tactiledata demo --out demo-out
     """
@@ -93,11 +96,13 @@ def demo(
     batch = _load_batch(store_path)
     report_step(f"   {batch['said']}")
 
-    # 7 and 8: pages
+    # 7 and 8: pages; 9: another sensor's style
     store = Store.open(store_path)
     written = write_report(store, out, further=mesh_sections(store))
     report_step(f"7. Look: {written['picture']}\n   Open:  {written['page']}")
     diagnosis, page = diagnose_touches(store_path, out, scenario, workers, report_step, quiet=as_json)
+    commands: Any = context.find_root().command
+    transferred, scored = transfer_touches(commands.commands, store_path, out, scenario, report_step)
     if gel.page is not None:
         report_step(f"   Open:  {gel.page}: measured and simulated forces, and how well E, nu and mu are known")
     if page is not None:
@@ -112,6 +117,8 @@ def demo(
             "replay": gel.replay.document(),
             "batch": batch,
             "diagnosis": diagnosis,
+            "transfer": transferred,
+            "score": scored,
             "simulated_recordings": simulated_recordings(store).document(),
             **{name: str(path) for name, path in written.items()},
         })  # fmt: skip

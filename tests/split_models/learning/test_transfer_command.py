@@ -12,9 +12,10 @@ from transfer_stores import write_two_sensors
 
 from split_models.commands.transfer import method_help
 from split_models.learning.checkpoint import Checkpoint, TrainedOn, save_checkpoint
+from split_models.transfer import transfer_picture
 from split_models.transfer.methods import LATENT
 from split_models.transfer.pixels import PIXEL_TRANSFERS
-from split_models.transfer.transfer_picture import sheet
+from split_models.transfer.transfer_picture import sheet, titled
 from tactiledata.sensors.backgrounds import load_background
 from tactiledata.store.read.reader import Store
 
@@ -172,3 +173,24 @@ def test_the_help_lists_every_method(capsys, monkeypatch):
     assert listed.endswith(f"{', '.join(names[:-1])} or {names[-1]}")
     monkeypatch.setitem(LATENT, "newest_way", "the newest way")
     assert "newest-way" in method_help().partition(" [default:")[0]
+
+
+def test_a_title_is_above_and_is_not_cut():
+    """A title leaves the sheet as it was below it, and a narrow sheet becomes as wide as its title."""
+    small = sheet([[("a", np.zeros((320, 24, 3), np.uint8))]])
+    drawn = titled(small, "Touches in the style of another sensor (simulated recordings)")
+    height, width = small.shape[:2]
+    np.testing.assert_array_equal(drawn[-height:, :width], small)
+    assert drawn.shape[1] > 3 * width
+    assert (drawn[-height:, width:] == 255).all()
+    assert (drawn[:-height] < 255).any()
+    assert (drawn[:, -2:] == 255).all()
+
+
+def test_the_picture_says_that_its_touches_are_simulated(folder, capsys, monkeypatch):
+    """The title of a transfer of simulated recordings names the target and the method, and says what they are."""
+    titles = []
+    monkeypatch.setattr(transfer_picture, "titled", lambda drawn, title: titles.append(title) or titled(drawn, title))
+    code, _, err = run_command(capsys, "transfer", "--to", "ycb-sensorB", "--method", "background-swap")
+    assert code == 0, err
+    assert titles == ["Touches in the style of ycb-sensorB, by background-swap (simulated recordings)"]
