@@ -10,6 +10,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from tactiledata.contract.wording import agreeing
 from tactiledata.errors import TactileDataError
 
 if TYPE_CHECKING:
@@ -86,7 +87,7 @@ def _source(store: Path) -> str:
 def _lacking(commands: Mapping[str, Any], target: str | None) -> str:
     """Return what the step lacks, in words; empty where it can be taken."""
     if missing := [name for name in ("transfer", "score") if name not in commands]:
-        return f"no installed package adds the command{'s' if len(missing) > 1 else ''} {' and '.join(missing)}"
+        return f"no installed package adds the {agreeing(len(missing), 'command', 'commands')} {' and '.join(missing)}"
     if find_spec("torch") is None:
         return "PyTorch is not installed: pip install 'tactiledata[models]'"
     return "" if target else "the sensors of this world have all bundled pictures, and none is left as a target"

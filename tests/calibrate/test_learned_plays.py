@@ -73,7 +73,7 @@ def test_examples_keep_their_own_plays():
 
 
 def test_the_error_is_that_of_an_example_predicted_from_the_others():
-    """By hand: each example is left out of the fit, its force predicted, and compared over its largest force."""
+    """The error is that of examples which are left out of the fit and predicted, over their largest force."""
     rng = np.random.default_rng(3)
     middle, slow, other, node = of_nodes(rng, 6, lambda one, *_: 0.3 * np.sin(3 * one))
     places = range(6)
@@ -133,7 +133,7 @@ def test_frames_that_a_source_lacks_are_missing():
 
 
 def test_few_touches_are_all_examples():
-    """Where fewer than eight would be left over, nothing is learned."""
+    """All touches are examples where fewer than eight others would be left to be predicted."""
     most = 2 * FEWEST_EXAMPLES - 1
     assert example_touches([gel_touch(k) for k in range(most)]) == list(range(most))
     assert len(example_touches([gel_touch(k) for k in range(most + 1)])) == FEWEST_EXAMPLES
@@ -190,7 +190,7 @@ def touches_of(count):
 
 
 def test_offsets_and_nu_are_played_for_the_examples_and_friction_for_all(counted):
-    """Of 40 touches 8 are played where nu or the offset differs; what is predicted is what would have been played."""
+    """With nu or the offset changed, 8 of 40 touches are played, and the others are predicted as they would play."""
     plays, _ = counted
     told = []
     found = player.play_plan(None, "finite-strain", touches_of(40), PLAN, None, lambda *one: told.append(one))

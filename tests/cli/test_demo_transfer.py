@@ -47,7 +47,7 @@ def test_a_person_sees_method_reason_scores_and_picture(tiny_store, tmp_path, ti
 
 @pytest.mark.parametrize("name", ["demo", "tiny"])
 def test_the_target_is_no_sensor_of_the_world(name):
-    """In the demo's worlds no unit has the target's picture."""
+    """The target of the transfer is a picture that no unit of the demo's worlds has."""
     scenario = load_scenario(find_scenario(name))
     assert unused_target(scenario) == "ycb-sensorA"
     assert ALIASES["ycb-sensorA"] not in {setup.background for setup in scenario.sensors.values()}

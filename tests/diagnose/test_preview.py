@@ -50,14 +50,14 @@ def preview(monkeypatch):
 
 
 def test_a_preview_is_of_the_touches_from_which_the_others_are_learned(preview):
-    """Of 60 touches ten; these and no others are played."""
+    """A preview of 60 touches plays the ten examples and no others."""
     told, (only,) = preview(60)
     assert told == ["10 of 60"]
     assert only == [f"u{place}" for place in example_touches([touch.touch for touch in drawn(60)])]
 
 
 def test_few_touches_have_no_preview(preview):
-    """Where all touches are played anyhow, a preview would be the answer."""
+    """Nothing is told and nothing played beforehand where all touches are examples."""
     assert preview(2 * FEWEST_EXAMPLES - 1) == ([], [])
 
 

@@ -109,7 +109,7 @@ def play_touches(
 
     # plays, each kept on disk as soon as it is finished
     grid = play_plan(mesh, fidelity, touches, plan, runner, nodes_played, estimate)
-    played = play_variants(batches, runner, batches_played, _words)
+    played = play_variants(batches, runner, batches_played)
     of_moved, varied = played[: len(moved)], dict(zip(variants, played[len(moved) :], strict=True))
     # laws of the other touches, where they can be told from the examples
     heights = [np.nan_to_num(touch.poses[:, 2, 3]) for touch in plain]
@@ -133,7 +133,7 @@ def play_touches(
                 far.append(variant)
     of_nodes += of_batches
     if far:
-        again = play_variants([batch(variant, every) for variant in far], runner, batches_played, _words)
+        again = play_variants([batch(variant, every) for variant in far], runner, batches_played)
         varied |= zip(far, again, strict=True)
     # what a play has not solved is taken from the others; then the plays that were not made are estimated
     whole = [*grid.played.values(), *grid.linear.values(), *of_moved, *(varied[variant] for variant in solvable)]
@@ -165,11 +165,6 @@ def play_touches(
         )
         for k, touch in enumerate(touches)
     ]
-
-
-def _words(batch: VariantBatch) -> str:
-    """Return what a batch plays, in words."""
-    return "moved along the gel" if batch.variant == GelVariant() else "gels and indenters that differ"
 
 
 def _moved(touch: GelTouch, axis: int, by: float) -> GelTouch:

@@ -5,7 +5,7 @@ Every play is kept on disk and not made again.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -60,6 +60,11 @@ class VariantBatch:
     variant: GelVariant
     touches: tuple[GelTouch, ...]
 
+    @property
+    def words(self) -> str:
+        """What the batch plays, in words: touches of the nominal gel are those whose paths are moved."""
+        return "moved along the gel" if self.variant == GelVariant() else "gels and indenters that differ"
+
 
 def design_variants(effect: Effect) -> tuple[GelVariant, ...]:
     """Return the variants that must have been played before an effect can be simulated; most effects need none."""
@@ -75,7 +80,6 @@ def play_variants(
     batches: Sequence[VariantBatch],
     runner: Scheduler | None,
     progress: Progress,
-    words: Callable[[VariantBatch], str],
 ) -> list[list[Play]]:
     """Return the plays of each batch, in order.
 
@@ -87,8 +91,6 @@ def play_variants(
         Where the batches are played; in this process where it is ``None``.
     progress : Progress
         Called with how many plays of touches are finished, how many there are, and what was played last.
-    words : callable
-        Returns what a batch plays, in words.
 
     Raises
     ------
@@ -104,7 +106,7 @@ def play_variants(
                 raise outcome.error
             plays.append(outcome.result or [])
             finished += len(outcome.task.touches)
-            play_progress.finished(finished, words(outcome.task))
+            play_progress.finished(finished, outcome.task.words)
     return plays
 
 

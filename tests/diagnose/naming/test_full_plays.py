@@ -105,7 +105,7 @@ def test_a_stiffening_law_is_played_in_full_where_it_is_named():
 
 
 def test_what_was_played_already_is_not_played_again():
-    """Where nothing is estimated, as by the linear engine or with few touches, the first answer is the answer."""
+    """The first answer stands where no play is estimated, as by the linear engine or with few touches."""
     asked = []
 
     def play(full):

@@ -255,7 +255,7 @@ def test_more_evidence_for_what_cannot_be_claimed_takes_a_name_away(best, is_tak
 
 
 def test_an_effect_that_errors_resemble_needs_a_plausible_gel():
-    """With nu at an end of its range it is not named; E and mu may stand there, and so may nu beside other effects."""
+    """Such an effect is not named with nu at an end of its range; E and mu may stand there, nu beside other effects."""
     for at_bounds, is_named in ((("nu",), False), (("mu",), True), (("E",), True), ((f"{HARD} time",), True)):
         found = decided([candidate(HARD, 2.0, at_bounds=at_bounds)])
         assert found.claimed == ((HARD,) if is_named else ())
