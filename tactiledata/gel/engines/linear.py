@@ -19,7 +19,7 @@ from tactiledata.gel.contact.trajectory_solve import TrajectorySolve
 from tactiledata.gel.elasticity.compliance import BATCH, FactorisedPad
 from tactiledata.gel.mesh.surface import ContactSurface
 
-FORCE_TOLERANCE = 1e-4
+FORCE_TOLERANCE = 1e-3
 """Largest change of a patch force in the iteration that completes a load step, as a share of the largest force."""
 MOST_ITERATIONS = 60
 """Iterations after which a load step has failed."""
@@ -27,7 +27,7 @@ UNDAMPED = 10
 """Iterations after which only half of each change is made."""
 PATIENCE = 20
 """Iterations after which the tolerance is ``LENIENCE`` times as large."""
-LENIENCE = 300.0
+LENIENCE = 30.0
 """Factor on the tolerance after ``PATIENCE`` iterations.
 
 At narrow pins a few patches keep exchanging a hundredth of the largest force. The frame's residual shows the error."""
