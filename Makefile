@@ -5,7 +5,7 @@ BIN     = $(VENV)/bin
 INSTALLED = $(VENV)/.installed
 OUT    ?= demo-out
 
-.PHONY: help demo test quick check bench mutants wheel-test clean
+.PHONY: help demo test quick check bench site mutants wheel-test clean
 
 help:            ## this list
 	@grep -hE '^[a-z-]+: .*##|^[a-z-]+:  *##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
@@ -13,7 +13,7 @@ help:            ## this list
 $(INSTALLED): pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "tactiledata needs Python 3.11 or later; found " + sys.version.split()[0] + ". Name another: make PYTHON=python3.11 ...")'
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/pip install --quiet -c constraints.txt -e '.[sim,models,report,dask,dev]'
+	$(BIN)/pip install --quiet -c constraints.txt -e '.[sim,models,report,dask,site,dev]'
 	@touch $@
 
 demo: $(INSTALLED)   ## the main job end to end on the embedded recorded world; ends with a report to open
@@ -34,10 +34,13 @@ check: $(INSTALLED)  ## formatting, lint, types
 bench: $(INSTALLED)  ## benchmarks: ours and the alternatives side by side
 	$(BIN)/python benchmarks/run_all.py
 
+site: $(INSTALLED)   ## the documentation as a site, in site/
+	$(BIN)/mkdocs build --strict
+
 # SAMPLE=0 takes every place; what was measured is kept in .mutants, so that a run can be stopped and taken up again
 mutants: $(INSTALLED) ## the mutation score of a sample, and the changes that no fast test notices (long)
 	$(BIN)/pip install --quiet -c constraints.txt -e '.[mutants]'
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/mutants.py --sample $(or $(SAMPLE),60) --seed $(or $(SEED),1)
 
 clean:           ## remove what make made, the virtual environment included
-	rm -rf $(VENV) $(OUT) build dist .pytest_cache .mypy_cache .ruff_cache .mutants
+	rm -rf $(VENV) $(OUT) build dist site .pytest_cache .mypy_cache .ruff_cache .mutants
