@@ -10,10 +10,12 @@ import numpy as np
 import torch
 from torch.utils.data import Dataset, get_worker_info
 
+from tactiledata.loaders.cache_room import CACHE_BYTES
 from tactiledata.loaders.collate import Frames, collate
 from tactiledata.loaders.missing import Missing
 from tactiledata.loaders.normalise import Normaliser
 from tactiledata.loaders.numpy import Item, TactileArrays, item_number
+from tactiledata.loaders.picture_arrays import as_fractions, channels_first
 from tactiledata.loaders.resumable import ResumableSampler, TactileLoader
 from tactiledata.loaders.selection import LoadReport
 from tactiledata.loaders.streams import Unit
@@ -45,6 +47,12 @@ class TactileDataset(Dataset[Item]):
     transform : callable, optional
         Item -> item, applied last. It must be importable (no lambda) where workers are spawned.
     image_dtype : "float32" or "uint8"
+    image_size : (rows, columns), optional
+        A smaller size at which pictures are decoded.
+    cache : path, optional
+        A folder on a local disk in which decoded pictures are kept, shared by workers and by processes.
+    cache_bytes : int
+        What all caches of that folder may take.
     allow_leaks : bool
     threads : int, optional
         Threads that decode images; in a worker process one, unless stated.
@@ -66,6 +74,9 @@ class TactileDataset(Dataset[Item]):
         missing: Missing = "warn",
         transform: Callable[[Item], Item] | None = None,
         image_dtype: str = "float32",
+        image_size: Sequence[int] | None = None,
+        cache: str | os.PathLike[str] | None = None,
+        cache_bytes: int = CACHE_BYTES,
         allow_leaks: bool = False,
         threads: int | None = None,
         storage_options: Mapping[str, Any] | None = None,
@@ -78,6 +89,9 @@ class TactileDataset(Dataset[Item]):
             normalise=normalise,
             missing=missing,
             image_dtype=image_dtype,
+            image_size=image_size,
+            cache=cache,
+            cache_bytes=cache_bytes,
             allow_leaks=allow_leaks,
             threads=threads,
             storage_options=storage_options,
@@ -128,10 +142,10 @@ class TactileDataset(Dataset[Item]):
         return tensors
 
     def _picture(self, name: str, pixels: Any) -> torch.Tensor:
-        tensor = torch.from_numpy(pixels).movedim(-1, -3).contiguous()
+        parted = channels_first(pixels)
         if self.arrays.image_dtype == "uint8":
-            return tensor
-        scaled = tensor.to(torch.float32).div_(255)
+            return torch.from_numpy(parted)
+        scaled = torch.from_numpy(as_fractions(parted))
         if name in self.normalisers:
             mean, std = (
                 torch.tensor(values, dtype=torch.float32)[:, None, None]
