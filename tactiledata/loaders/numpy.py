@@ -21,7 +21,7 @@ from tactiledata.loaders.index import build_index
 from tactiledata.loaders.missing import Missing, treat_missing
 from tactiledata.loaders.normalise import Normaliser, normalisers
 from tactiledata.loaders.order import Order
-from tactiledata.loaders.picture_arrays import as_fractions
+from tactiledata.loaders.picture_arrays import fill_fractions
 from tactiledata.loaders.picture_reading import picture_reading
 from tactiledata.loaders.selection import LoadReport, Selection, select
 from tactiledata.loaders.streams import Stream, Unit, find_streams, nodes_at_frames, values_at_frames
@@ -225,7 +225,8 @@ class TactileArrays:
         return {**item, **{name: self._as_float(name, item[name]) for name in pictures}}
 
     def _as_float(self, name: str, pictures: NDArray[np.uint8]) -> NDArray[np.float32]:
-        fractions = as_fractions(pictures)
+        fractions = np.empty(pictures.shape, np.float32)
+        fill_fractions(pictures, fractions)
         return self.normalisers[name].apply(fractions) if name in self.normalisers else fractions
 
     def read_frames(self, numbers: Sequence[int]) -> Item:

@@ -11,11 +11,11 @@ import torch
 from torch.utils.data import Dataset, get_worker_info
 
 from tactiledata.loaders.cache_room import CACHE_BYTES
-from tactiledata.loaders.collate import Frames, collate
+from tactiledata.loaders.collate import Frames, collate, new_tensor
 from tactiledata.loaders.missing import Missing
 from tactiledata.loaders.normalise import Normaliser
 from tactiledata.loaders.numpy import Item, TactileArrays, item_number
-from tactiledata.loaders.picture_arrays import as_fractions, channels_first
+from tactiledata.loaders.picture_arrays import channels_first
 from tactiledata.loaders.resumable import ResumableSampler, TactileLoader
 from tactiledata.loaders.selection import LoadReport
 from tactiledata.loaders.streams import Unit
@@ -120,36 +120,35 @@ class TactileDataset(Dataset[Item]):
     def __getitem__(self, number: int) -> Item:
         return self.__getitems__([item_number(number, len(self))])[0]
 
-    def __getitems__(self, numbers: Sequence[int]) -> list[Item]:
+    def __getitems__(self, numbers: Sequence[int]) -> Sequence[Item]:
         """Items, read from the store in one call; torch's fetcher calls this."""
         if get_worker_info() is not None and self._threads is None:
             self.arrays.threads = 1  # workers are the parallelism; more threads would fight over the cores
         if self.arrays.unit == "trajectory":
-            items = [self._tensors(item) for item in self.arrays.read_trajectories(numbers)]
-            return [self.transform(item) for item in items] if self.transform else items
-        batch = self._tensors(self.arrays.read_frames(numbers))
-        items = [{name: value[place] for name, value in batch.items()} for place in range(len(numbers))]
-        return [self.transform(item) for item in items] if self.transform else Frames(items, batch)
+            items: Sequence[Item] = [self._tensors(item) for item in self.arrays.read_trajectories(numbers)]
+        else:
+            items = Frames(self.arrays.read_frames(numbers), self._tensors)
+        return [self.transform(item) for item in items] if self.transform else items
 
-    def _tensors(self, item: Item) -> Item:
+    def _tensors(self, item: Item, is_shared: bool = False) -> Item:
         pictures = {stream.name for stream in self.arrays.streams if stream.is_picture}
         tensors: Item = {}
         for name, value in item.items():
             if name in pictures:
-                tensors[name] = self._picture(name, value)
+                tensors[name] = self._picture(name, value, is_shared)
             else:
                 tensors[name] = torch.from_numpy(value) if isinstance(value, np.ndarray) else value
         return tensors
 
-    def _picture(self, name: str, pixels: Any) -> torch.Tensor:
-        parted = channels_first(pixels)
-        if self.arrays.image_dtype == "uint8":
-            return torch.from_numpy(parted)
-        scaled = torch.from_numpy(as_fractions(parted))
+    def _picture(self, name: str, pixels: Any, is_shared: bool) -> torch.Tensor:
+        *leading, rows, columns, colours = pixels.shape
+        dtype = torch.uint8 if self.arrays.image_dtype == "uint8" else torch.float32
+        tensor = new_tensor((*leading, colours, rows, columns), dtype, is_shared)
+        channels_first(pixels, tensor.numpy())
         if name in self.normalisers:
             mean, std = (
                 torch.tensor(values, dtype=torch.float32)[:, None, None]
                 for values in (self.normalisers[name].mean, self.normalisers[name].std)
             )
-            scaled.sub_(mean).div_(std)
-        return scaled
+            tensor.sub_(mean).div_(std)
+        return tensor
