@@ -19,6 +19,7 @@ from tactiledata.loaders.picture_arrays import channels_first
 from tactiledata.loaders.resumable import ResumableSampler, TactileLoader
 from tactiledata.loaders.selection import LoadReport
 from tactiledata.loaders.streams import Unit
+from tactiledata.store.read.pictures import default_threads
 
 __all__ = ["ResumableSampler", "TactileDataset", "TactileLoader", "collate"]
 
@@ -144,7 +145,7 @@ class TactileDataset(Dataset[Item]):
         *leading, rows, columns, colours = pixels.shape
         dtype = torch.uint8 if self.arrays.image_dtype == "uint8" else torch.float32
         tensor = new_tensor((*leading, colours, rows, columns), dtype, is_shared)
-        channels_first(pixels, tensor.numpy())
+        channels_first(pixels, tensor.numpy(), self.arrays.threads or default_threads())
         if name in self.normalisers:
             mean, std = (
                 torch.tensor(values, dtype=torch.float32)[:, None, None]

@@ -10,7 +10,7 @@ FOLDER = Path(__file__).resolve().parents[2] / "benchmarks"
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["random_access.py", "ingest_mcap.py"])
+@pytest.mark.parametrize("name", ["random_access.py", "ingest_mcap.py", "epochs.py"])
 def test_quick_benchmarks_end_well(name, tmp_path):
     """A benchmark's quick form exits with 0 from any folder, having found equal pixels and printed its verdicts."""
     done = subprocess.run(

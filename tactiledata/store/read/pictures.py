@@ -269,9 +269,7 @@ class Pictures:
             return
         self._verify(row, content)
         if encoding == "jpeg" and (
-            decode_jpeg_into(content, target)
-            if shape == target.shape
-            else decode_smaller_jpeg(content, shape, target)
+            decode_jpeg_into(content, target) if shape == target.shape else decode_smaller_jpeg(content, shape, target)
         ):
             return
         average_into(self._decoded(row, content, shape), target)
