@@ -61,7 +61,7 @@ def new_tensor(shape: Sequence[int], dtype: torch.dtype, is_shared: bool) -> tor
     empty = torch.empty(0, dtype=dtype)
     if is_shared:  # as torch's own collate does
         storage = torch.UntypedStorage._new_shared(math.prod(shape) * empty.element_size(), device="cpu")
-        return empty.set_(storage).view(*shape)  # type: ignore[call-overload]
+        return empty.set_(storage).view(*shape)
     # numpy asks the system for large pages, torch does not: touching them first takes a third of the time
     return torch.from_numpy(np.empty(shape, empty.numpy().dtype))
 

@@ -96,7 +96,7 @@ class DecodedCache:
             mark, count, owner, checksum = RECORD.unpack(record)
             if (mark, count, owner) != (MARK, self._bytes, row):
                 return False  # empty
-            if os.preadv(descriptor, [target.reshape(-1)], start) == self._bytes and checksum == _checksum(target):
+            if os.preadv(descriptor, [target.data], start) == self._bytes and checksum == _checksum(target):
                 return True
             reason = "a checksum does not fit"
         except OSError as error:
