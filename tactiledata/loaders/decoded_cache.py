@@ -12,6 +12,7 @@ import os
 import stat
 import struct
 import warnings
+import weakref
 from pathlib import Path
 from typing import Any
 
@@ -156,12 +157,8 @@ class _Descriptor:
 
     def __init__(self, path: Path, flags: int = 0) -> None:
         self.number = open_slots(path, flags)
+        weakref.finalize(self, os.close, self.number)
         fcntl.flock(self.number, fcntl.LOCK_SH)
-
-    def __del__(self) -> None:
-        number, self.number = getattr(self, "number", -1), -1
-        if number >= 0:
-            os.close(number)
 
 
 def open_slots(path: Path, flags: int = 0) -> int:

@@ -85,6 +85,8 @@ def picture_reading(
         A size that is larger than a picture, a folder that cannot be used, or either without pictures.
     """
     kinds = {stream.kind for stream in streams}
+    if cache is not None and (not isinstance(cache, str | os.PathLike) or str(cache) == "" or "://" in str(cache)):
+        raise UsageError(f"cache={cache!r}", "a folder on a local disk", "For example cache='decoded'.")
     if cache is not None and "image" not in kinds:
         raise UsageError("a cache for a dataset without pictures of a camera", "a camera among the streams")
     if size is not None and not kinds & {"image", "background"}:

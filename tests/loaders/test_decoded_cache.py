@@ -286,6 +286,9 @@ def test_what_cannot_be_a_cache_is_refused(place, tmp_path):
     for bound in (SLOT - 1, -1, 1e9, None, True):
         with pytest.raises(UsageError, match="a bound of"):
             arrays(place, tmp_path / "cache", cache_bytes=bound)
+    for folder in (True, 5, "", "s3://bucket/decoded"):
+        with pytest.raises(UsageError, match="a folder on a local disk"):
+            arrays(place, folder)
     with pytest.raises(UsageError, match="without pictures of a camera"):
         TactileArrays(place, "all", ["wrench"], cache=tmp_path / "cache", allow_leaks=True)
     arrays(place, tmp_path / "cache")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from numbers import Integral
 
 import simplejpeg
 
@@ -75,7 +76,7 @@ def need_smaller(size: Sequence[int], shape: tuple[int, int]) -> tuple[int, int]
     asked = tuple(size) if isinstance(size, Sequence) and not isinstance(size, str) else ()
     if (
         len(asked) != 2
-        or not all(isinstance(side, int) and not isinstance(side, bool) for side in asked)
+        or not all(isinstance(side, Integral) and not isinstance(side, bool) for side in asked)
         or not all(1 <= side <= most for side, most in zip(asked, shape, strict=True))
     ):
         raise UsageError(
@@ -83,4 +84,4 @@ def need_smaller(size: Sequence[int], shape: tuple[int, int]) -> tuple[int, int]
             f"(rows, columns) of whole numbers, at least 1 and at most the {shape[0]} x {shape[1]} of the pictures",
             "Pictures are only made smaller; enlarge them in your model.",
         )
-    return asked[0], asked[1]
+    return int(asked[0]), int(asked[1])
