@@ -72,7 +72,7 @@ class DecodedCache:
         return {**self.__dict__, "_descriptor": None}
 
     def has_room(self, rows: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Which frames (n,) have a slot, filled or not."""
+        """Return which frames (n,) have a slot, filled or not."""
         return self._slots[rows] >= 0
 
     def read(self, row: int, target: PictureArray) -> bool:

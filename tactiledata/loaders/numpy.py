@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import hashlib
-import operator
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, SupportsIndex
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -20,7 +19,7 @@ from tactiledata.loaders.fit import require_one_size, require_references
 from tactiledata.loaders.index import build_index
 from tactiledata.loaders.missing import Missing, treat_missing
 from tactiledata.loaders.normalise import Normaliser, normalisers
-from tactiledata.loaders.order import Order
+from tactiledata.loaders.order import Order, item_number
 from tactiledata.loaders.picture_arrays import fill_fractions
 from tactiledata.loaders.picture_reading import picture_reading
 from tactiledata.loaders.selection import LoadReport, Selection, select
@@ -31,19 +30,6 @@ Item = dict[str, Any]
 IMAGE_DTYPES = ("float32", "uint8")
 TIMES = "_t_ns"
 """Added to a signal's name: the key of its sample times."""
-
-
-def item_number(item: SupportsIndex, length: int) -> int:
-    """The number of an item of ``length``, counted from the end where it is negative.
-
-    Raises
-    ------
-    IndexError, TypeError
-    """
-    number = operator.index(item)
-    if not -length <= number < length:
-        raise IndexError(f"item {number} of {length}")
-    return number % length
 
 
 class TactileArrays:

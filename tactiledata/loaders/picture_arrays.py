@@ -26,8 +26,8 @@ def channels_first(pictures: NDArray[np.uint8], out: NDArray[Any], threads: int 
     --------
     >>> planes = np.empty((3, 1, 2), np.float32)
     >>> channels_first(np.array([[[0, 51, 255], [255, 0, 51]]], np.uint8), planes)
-    >>> planes.round(2).tolist()
-    [[[0.0, 1.0]], [[0.2, 0.0]], [[1.0, 0.2]]]
+    >>> (5 * planes).tolist()
+    [[[0.0, 5.0]], [[1.0, 0.0]], [[5.0, 1.0]]]
     """
     rows, columns, colours = pictures.shape[-3:]
     together = pictures.reshape(-1, rows, columns, colours)
@@ -64,7 +64,7 @@ def fill_fractions(levels: NDArray[np.uint8], out: NDArray[np.float32]) -> None:
     --------
     >>> fractions = np.empty(3, np.float32)
     >>> fill_fractions(np.array([0, 51, 255], np.uint8), fractions)
-    >>> fractions.round(2).tolist()
-    [0.0, 0.2, 1.0]
+    >>> (5 * fractions).tolist()
+    [0.0, 1.0, 5.0]
     """
     np.divide(levels, np.float32(255), out=out, dtype=np.float32)

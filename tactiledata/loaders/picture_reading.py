@@ -39,7 +39,17 @@ class PictureReading:
     note: str = ""
 
     def of_frames(self, store: Store, rows: NDArray[np.int64], threads: int | None) -> NDArray[np.uint8]:
-        """Pictures (n, h, w, 3) of frames."""
+        """Return pictures (n, h, w, 3) of frames.
+
+        Parameters
+        ----------
+        store : Store
+            Where they are.
+        rows : (n,) int64
+            Rows of frames.
+        threads : int, optional
+            Threads that decode.
+        """
         return np.asarray(store.images(rows, threads=threads, size=self.size, kept=self.cache))
 
     def of_sensors(self, store: Store) -> dict[str, NDArray[np.uint8]]:

@@ -14,7 +14,8 @@ from tactiledata.loaders.cache_room import CACHE_BYTES
 from tactiledata.loaders.collate import Frames, collate, new_tensor
 from tactiledata.loaders.missing import Missing
 from tactiledata.loaders.normalise import Normaliser
-from tactiledata.loaders.numpy import Item, TactileArrays, item_number
+from tactiledata.loaders.numpy import Item, TactileArrays
+from tactiledata.loaders.order import item_number
 from tactiledata.loaders.picture_arrays import channels_first
 from tactiledata.loaders.resumable import ResumableSampler, TactileLoader
 from tactiledata.loaders.selection import LoadReport
