@@ -7,6 +7,7 @@ that count as empty, nobody waits for anybody, and two processes that fill one s
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import os
 import stat
@@ -159,6 +160,8 @@ class _Descriptor:
         self.number = open_slots(path, flags)
         weakref.finalize(self, os.close, self.number)
         fcntl.flock(self.number, fcntl.LOCK_SH)
+        if not os.fstat(self.number).st_nlink:  # removed for another cache before it was said to be in use
+            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path))
 
 
 def open_slots(path: Path, flags: int = 0) -> int:
@@ -172,7 +175,7 @@ def open_slots(path: Path, flags: int = 0) -> int:
     number = os.open(path, os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW | flags, 0o644)
     if not stat.S_ISREG(os.fstat(number).st_mode):
         os.close(number)
-        raise OSError(0, "it is no file", str(path))
+        raise OSError(errno.EINVAL, "it is no file", str(path))
     return number
 
 

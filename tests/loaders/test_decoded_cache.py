@@ -161,6 +161,18 @@ def test_unused_caches_make_room_for_others(place, tmp_path):
     assert len(list(tmp_path.glob("*.pixels"))) == 1
 
 
+def test_a_cache_that_was_removed_is_done_without(place, tmp_path):
+    """A dataset that travels pickled, and finds its cache removed where it arrives, decodes, and says so."""
+    dataset = arrays(place, tmp_path)
+    plain = whole(dataset)
+    there = pickle.loads(pickle.dumps(dataset))
+    slots(tmp_path).unlink()
+    with pytest.warns(DecodedCacheWarning, match="No such file"):
+        np.testing.assert_array_equal(whole(there), plain)
+    assert not list(tmp_path.glob("*.pixels"))
+    np.testing.assert_array_equal(whole(dataset), plain)  # who has it open goes on with it (the negative control)
+
+
 def test_a_lower_bound_shrinks_what_is_there(place, tmp_path):
     """A bound below what is kept already cuts it, where nobody else uses it."""
     plain = whole(arrays(place, tmp_path))
