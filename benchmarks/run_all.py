@@ -9,6 +9,7 @@ from pathlib import Path
 
 BENCHMARKS = (
     "random_access.py",
+    "epochs.py",
     "ingest_mcap.py",
     "scale_splits.py",
     "gel_speed.py",

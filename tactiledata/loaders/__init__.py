@@ -6,5 +6,7 @@
 - ``selection``, ``index``, ``missing``, ``fit``: which frames a dataset holds, what they lack, whether they go
   together.
 - ``streams``: what the names of streams stand for. ``normalise``: mean and spread over the train part.
+- ``picture_reading``, ``picture_arrays``: pictures at the size that is asked for, and as models take them.
+- ``decoded_cache``, ``cache_room``: decoded pictures kept on a local disk, and who gets room for them.
 - ``order``: the order of items, shared between processes. ``facts``: who touched what, as a table.
 """

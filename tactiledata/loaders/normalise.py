@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from tactiledata.contract.atomic import write_atomic
 from tactiledata.contract.sealed import fits_seal, sealed_json
 from tactiledata.errors import UsageError
+from tactiledata.loaders.picture_reading import PictureReading
 from tactiledata.loaders.streams import Stream, values_at_frames
 from tactiledata.splits.manifest import Split, frame_rows, partition_rows
 
@@ -219,7 +220,9 @@ class Cache:
         return ""
 
 
-def normalisers(store: Store, split: Split, streams: Sequence[Stream]) -> tuple[dict[str, Normaliser], tuple[str, ...]]:
+def normalisers(
+    store: Store, split: Split, streams: Sequence[Stream], size: tuple[int, int] | None = None
+) -> tuple[dict[str, Normaliser], tuple[str, ...]]:
     """Return normalisers by stream, from the cache or computed and kept, and notes: rows left out, not kept and why.
 
     Parameters
@@ -230,12 +233,16 @@ def normalisers(store: Store, split: Split, streams: Sequence[Stream]) -> tuple[
         A split of the store.
     streams : sequence of Stream
         Streams that are to be normalised.
+    size : (rows, columns), optional
+        Of pictures, where they are read smaller: means over areas spread less.
     """
     cache = Cache(store, split)
     kept = cache.read()
-    keys = {stream.name: f"{stream.kind}:{stream.name}{_state(store, stream)}" for stream in streams}
+    keys = {stream.name: f"{stream.kind}:{stream.name}{_state(store, stream, size)}" for stream in streams}
     fresh = {
-        keys[stream.name]: measure_stream(store, split, stream) for stream in streams if keys[stream.name] not in kept
+        keys[stream.name]: measure_stream(store, split, stream, size)
+        for stream in streams
+        if keys[stream.name] not in kept
     }
     note = cache.write(fresh) if fresh else ""
     found = {**kept, **fresh}
@@ -249,12 +256,14 @@ def normalisers(store: Store, split: Split, streams: Sequence[Stream]) -> tuple[
     return chosen, (*left_out, *([note] if note else []))
 
 
-def _state(store: Store, stream: Stream) -> str:
-    """What tells the states of a mesh apart: the store's digest is that of what was recorded."""
+def _state(store: Store, stream: Stream, size: tuple[int, int] | None) -> str:
+    """What tells sizes of pictures apart, and states of a mesh: the store's digest is that of what was recorded."""
+    if stream.is_picture:
+        return f"@{size[0]}x{size[1]}" if size else ""
     return f":{store.mesh(stream.mesh).facts['digest']}" if stream.is_of_mesh else ""
 
 
-def measure_stream(store: Store, split: Split, stream: Stream) -> Normaliser:
+def measure_stream(store: Store, split: Split, stream: Stream, size: tuple[int, int] | None = None) -> Normaliser:
     """Return mean and spread of one stream over the train part of a split.
 
     Values and pictures are those of the frames in train; a signal at its native rate is taken over the whole of the
@@ -268,6 +277,8 @@ def measure_stream(store: Store, split: Split, stream: Stream) -> Normaliser:
         A split of the store.
     stream : Stream
         The stream.
+    size : (rows, columns), optional
+        Of pictures, where they are read smaller.
 
     Raises
     ------
@@ -277,11 +288,11 @@ def measure_stream(store: Store, split: Split, stream: Stream) -> Normaliser:
     rows = frame_rows(store, split, "train")
     if stream.kind == "image":
         camera = pc.equal(store.frames(["camera"])["camera"].cast(pa.string()), stream.name).to_numpy()
-        return image_moments(store.images, rows[camera[rows]])
+        return image_moments(partial(store.images, size=size), rows[camera[rows]])
     if stream.kind == "background":
         sensors = sorted(set(store.frames(["sensor"])["sensor"].take(rows).to_pylist()))
-        references = store.references()
-        images = [references[sensor].image for sensor in sensors]
+        references = PictureReading(size).of_sensors(store)
+        images = [references[sensor] for sensor in sensors]
         return image_moments(lambda places: [images[place] for place in places], np.arange(len(images)))
     if stream.kind == "signal":
         chunks: Iterable[NDArray[Any]] = _segments(store, split, stream.name)

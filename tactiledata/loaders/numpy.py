@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import hashlib
-import operator
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, SupportsIndex
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -14,12 +13,15 @@ from numpy.typing import NDArray
 
 from tactiledata.contract.provenance import digest_of
 from tactiledata.errors import StoreError, UnknownName, UsageError
+from tactiledata.loaders.cache_room import CACHE_BYTES
 from tactiledata.loaders.facts import item_table
 from tactiledata.loaders.fit import require_one_size, require_references
 from tactiledata.loaders.index import build_index
 from tactiledata.loaders.missing import Missing, treat_missing
 from tactiledata.loaders.normalise import Normaliser, normalisers
-from tactiledata.loaders.order import Order
+from tactiledata.loaders.order import Order, item_number
+from tactiledata.loaders.picture_arrays import fill_fractions
+from tactiledata.loaders.picture_reading import picture_reading
 from tactiledata.loaders.selection import LoadReport, Selection, select
 from tactiledata.loaders.streams import Stream, Unit, find_streams, nodes_at_frames, values_at_frames
 from tactiledata.store.read.reader import RowState, Store
@@ -28,19 +30,6 @@ Item = dict[str, Any]
 IMAGE_DTYPES = ("float32", "uint8")
 TIMES = "_t_ns"
 """Added to a signal's name: the key of its sample times."""
-
-
-def item_number(item: SupportsIndex, length: int) -> int:
-    """The number of an item of ``length``, counted from the end where it is negative.
-
-    Raises
-    ------
-    IndexError, TypeError
-    """
-    number = operator.index(item)
-    if not -length <= number < length:
-        raise IndexError(f"item {number} of {length}")
-    return number % length
 
 
 class TactileArrays:
@@ -68,6 +57,13 @@ class TactileArrays:
         (`MissingValuesWarning`) and keep, keep, or leave the item out. ``report.missing`` counts them by stream.
     image_dtype : "float32" or "uint8"
         float32 in [0, 1], or the bytes as stored.
+    image_size : (rows, columns), optional
+        A smaller size for all pictures, at which they are decoded: cheaper than making them smaller afterwards.
+    cache : path, optional
+        A folder on a local disk in which decoded pictures are kept: filled as they are read, shared by workers and by
+        processes. Not used where a recording of the store changed.
+    cache_bytes : int
+        What all caches of that folder may take; pictures beyond are decoded each time.
     allow_leaks : bool
     threads : int, optional
         Threads that decode images; by default the store chooses.
@@ -97,6 +93,9 @@ class TactileArrays:
         normalise: bool | Sequence[str] = False,
         missing: Missing = "warn",
         image_dtype: str = "float32",
+        image_size: Sequence[int] | None = None,
+        cache: str | os.PathLike[str] | None = None,
+        cache_bytes: int = CACHE_BYTES,
         allow_leaks: bool = False,
         threads: int | None = None,
         storage_options: Mapping[str, Any] | None = None,
@@ -124,8 +123,9 @@ class TactileArrays:
         self._require_items("Name other streams, or say missing='keep' to have those items with NaN.")
         require_references(store, self.index, self.streams)
         require_one_size(store, self.index, camera)
+        self._pictures = picture_reading(store, self.index, self.streams, image_size, cache, cache_bytes)
         self.normalisers, notes = self._find_normalisers(selection, normalise)
-        self.report = self.report.noted(*notes)
+        self.report = self.report.noted(self._pictures.note, *notes)
         self.fingerprint = digest_of([store.digest, selection.report.split, unit, self._rows_digest()])
 
     def _rows_digest(self) -> str:
@@ -211,9 +211,9 @@ class TactileArrays:
         return {**item, **{name: self._as_float(name, item[name]) for name in pictures}}
 
     def _as_float(self, name: str, pictures: NDArray[np.uint8]) -> NDArray[np.float32]:
-        scaled = pictures.astype(np.float32)
-        scaled /= 255
-        return self.normalisers[name].apply(scaled) if name in self.normalisers else scaled
+        fractions = np.empty(pictures.shape, np.float32)
+        fill_fractions(pictures, fractions)
+        return self.normalisers[name].apply(fractions) if name in self.normalisers else fractions
 
     def read_frames(self, numbers: Sequence[int]) -> Item:
         """Read frames like `batch`, with pictures as stored: uint8, neither scaled nor normalised."""
@@ -275,7 +275,7 @@ class TactileArrays:
 
     def _at_frames(self, stream: Stream, rows: NDArray[np.int64], sensors: Sequence[str]) -> NDArray[Any]:
         if stream.kind == "image":
-            return np.asarray(self.store.images(rows, threads=self.threads))
+            return self._pictures.of_frames(self.store, rows, self.threads)
         if stream.kind == "background":
             return np.stack([self._reference(sensor) for sensor in sensors])
         if stream.kind in ("mesh", "contact_mask"):
@@ -290,7 +290,7 @@ class TactileArrays:
     def _reference(self, sensor: str) -> NDArray[np.uint8]:
         store = self.store
         if not self._references:
-            self._references = {name: reference.image for name, reference in store.references().items()}
+            self._references = self._pictures.of_sensors(store)
         return self._references[sensor]
 
     def _require_items(self, remedy: str) -> None:
@@ -329,7 +329,7 @@ class TactileArrays:
                 "a split, whose train part mean and spread are taken from",
                 "Name a split.",
             )
-        return normalisers(self.store, selection.split, [by_name[name] for name in names])
+        return normalisers(self.store, selection.split, [by_name[name] for name in names], self._pictures.size)
 
 
 def _require_some(numbers: Sequence[int]) -> None:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import Any, SupportsIndex
 
 import numpy as np
 from numpy.typing import NDArray
@@ -179,3 +180,16 @@ def _check(length: int, seed: int, batch_size: int | None, rank: int, world_size
         raise UsageError(f"seed is {seed!r}", "a whole number, at least 0", seed=seed)
     if length < 0:
         raise UsageError(f"length is {length}", "at least 0 items", length=length)
+
+
+def item_number(item: SupportsIndex, length: int) -> int:
+    """The number of an item of ``length``, counted from the end where it is negative.
+
+    Raises
+    ------
+    IndexError, TypeError
+    """
+    number = operator.index(item)
+    if not -length <= number < length:
+        raise IndexError(f"item {number} of {length}")
+    return number % length

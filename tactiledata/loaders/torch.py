@@ -10,13 +10,17 @@ import numpy as np
 import torch
 from torch.utils.data import Dataset, get_worker_info
 
-from tactiledata.loaders.collate import Frames, collate
+from tactiledata.loaders.cache_room import CACHE_BYTES
+from tactiledata.loaders.collate import Frames, collate, new_tensor
 from tactiledata.loaders.missing import Missing
 from tactiledata.loaders.normalise import Normaliser
-from tactiledata.loaders.numpy import Item, TactileArrays, item_number
+from tactiledata.loaders.numpy import Item, TactileArrays
+from tactiledata.loaders.order import item_number
+from tactiledata.loaders.picture_arrays import channels_first
 from tactiledata.loaders.resumable import ResumableSampler, TactileLoader
 from tactiledata.loaders.selection import LoadReport
 from tactiledata.loaders.streams import Unit
+from tactiledata.store.read.pictures import default_threads
 
 __all__ = ["ResumableSampler", "TactileDataset", "TactileLoader", "collate"]
 
@@ -45,6 +49,12 @@ class TactileDataset(Dataset[Item]):
     transform : callable, optional
         Item -> item, applied last. It must be importable (no lambda) where workers are spawned.
     image_dtype : "float32" or "uint8"
+    image_size : (rows, columns), optional
+        A smaller size at which pictures are decoded.
+    cache : path, optional
+        A folder on a local disk in which decoded pictures are kept, shared by workers and by processes.
+    cache_bytes : int
+        What all caches of that folder may take.
     allow_leaks : bool
     threads : int, optional
         Threads that decode images; in a worker process one, unless stated.
@@ -66,6 +76,9 @@ class TactileDataset(Dataset[Item]):
         missing: Missing = "warn",
         transform: Callable[[Item], Item] | None = None,
         image_dtype: str = "float32",
+        image_size: Sequence[int] | None = None,
+        cache: str | os.PathLike[str] | None = None,
+        cache_bytes: int = CACHE_BYTES,
         allow_leaks: bool = False,
         threads: int | None = None,
         storage_options: Mapping[str, Any] | None = None,
@@ -78,6 +91,9 @@ class TactileDataset(Dataset[Item]):
             normalise=normalise,
             missing=missing,
             image_dtype=image_dtype,
+            image_size=image_size,
+            cache=cache,
+            cache_bytes=cache_bytes,
             allow_leaks=allow_leaks,
             threads=threads,
             storage_options=storage_options,
@@ -106,36 +122,35 @@ class TactileDataset(Dataset[Item]):
     def __getitem__(self, number: int) -> Item:
         return self.__getitems__([item_number(number, len(self))])[0]
 
-    def __getitems__(self, numbers: Sequence[int]) -> list[Item]:
+    def __getitems__(self, numbers: Sequence[int]) -> Sequence[Item]:
         """Items, read from the store in one call; torch's fetcher calls this."""
         if get_worker_info() is not None and self._threads is None:
             self.arrays.threads = 1  # workers are the parallelism; more threads would fight over the cores
         if self.arrays.unit == "trajectory":
-            items = [self._tensors(item) for item in self.arrays.read_trajectories(numbers)]
-            return [self.transform(item) for item in items] if self.transform else items
-        batch = self._tensors(self.arrays.read_frames(numbers))
-        items = [{name: value[place] for name, value in batch.items()} for place in range(len(numbers))]
-        return [self.transform(item) for item in items] if self.transform else Frames(items, batch)
+            items: Sequence[Item] = [self._tensors(item) for item in self.arrays.read_trajectories(numbers)]
+        else:
+            items = Frames(self.arrays.read_frames(numbers), self._tensors)
+        return [self.transform(item) for item in items] if self.transform else items
 
-    def _tensors(self, item: Item) -> Item:
+    def _tensors(self, item: Item, is_shared: bool = False) -> Item:
         pictures = {stream.name for stream in self.arrays.streams if stream.is_picture}
         tensors: Item = {}
         for name, value in item.items():
             if name in pictures:
-                tensors[name] = self._picture(name, value)
+                tensors[name] = self._picture(name, value, is_shared)
             else:
                 tensors[name] = torch.from_numpy(value) if isinstance(value, np.ndarray) else value
         return tensors
 
-    def _picture(self, name: str, pixels: Any) -> torch.Tensor:
-        tensor = torch.from_numpy(pixels).movedim(-1, -3).contiguous()
-        if self.arrays.image_dtype == "uint8":
-            return tensor
-        scaled = tensor.to(torch.float32).div_(255)
+    def _picture(self, name: str, pixels: Any, is_shared: bool) -> torch.Tensor:
+        *leading, rows, columns, colours = pixels.shape
+        dtype = torch.uint8 if self.arrays.image_dtype == "uint8" else torch.float32
+        tensor = new_tensor((*leading, colours, rows, columns), dtype, is_shared)
+        channels_first(pixels, tensor.numpy(), self.arrays.threads or default_threads())
         if name in self.normalisers:
             mean, std = (
                 torch.tensor(values, dtype=torch.float32)[:, None, None]
                 for values in (self.normalisers[name].mean, self.normalisers[name].std)
             )
-            scaled.sub_(mean).div_(std)
-        return scaled
+            tensor.sub_(mean).div_(std)
+        return tensor

@@ -5,12 +5,11 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any, Literal
+from typing import Any, Literal, Protocol
 
 import google_crc32c
 import numpy as np
 import pyarrow as pa
-import simplejpeg
 from numpy.typing import NDArray
 
 from tactiledata.arrays import PictureArray
@@ -21,9 +20,20 @@ from tactiledata.store.layout.manifest import settings_of
 from tactiledata.store.layout.places import heap_path, rgb_path
 from tactiledata.store.layout.shards import Entries, index_bytes, parse_index, unpack_frame
 from tactiledata.store.read.files import Span, StoreFiles, missing_file
+from tactiledata.store.read.scaled_pictures import average_into, decode_jpeg_into, decode_smaller_jpeg, need_smaller
 
 COLUMNS = ("camera", "encoding", "height", "width", "offset", "length", "crc32c", "flags")
 MOST_THREADS = 16
+
+
+class KeptPictures(Protocol):
+    """Decoded pictures that are kept somewhere, by rows of frames; asked by several threads at once."""
+
+    def read(self, row: int, target: PictureArray) -> bool:
+        """Whether the picture of a frame is kept, and was put into ``target`` (h, w, 3)."""
+
+    def keep(self, row: int, picture: PictureArray) -> None:
+        """Keep the picture (h, w, 3) of a frame, where there is room for it."""
 
 
 class Pictures:
@@ -148,7 +158,12 @@ class Pictures:
         )
 
     def pictures(
-        self, rows: Sequence[int], threads: int | None, when_missing: Literal["error", "zeros"]
+        self,
+        rows: Sequence[int],
+        threads: int | None,
+        when_missing: Literal["error", "zeros"],
+        size: Sequence[int] | None = None,
+        kept: KeptPictures | None = None,
     ) -> list[PictureArray] | PictureArray:
         """Return decoded frames: one array (n, H, W, 3) where they all have one size, else a list of (H, W, 3).
 
@@ -160,44 +175,73 @@ class Pictures:
             Threads that decode; one a core where ``None``.
         when_missing : "error" or "zeros"
             What to do for captured moments without an image.
+        size : (rows, columns), optional
+            A smaller size, at which pictures are decoded.
+        kept : KeptPictures, optional
+            Pictures that were decoded before, at this size; others are added.
 
         Raises
         ------
         StoreError
             An image that is damaged, or missing where ``when_missing`` is "error".
+        UsageError
+            A size that is larger than that of a picture.
         """
-        columns = self._load()
         if not len(rows):
             return []
         self._require_decodable(rows)
-        heights, widths = columns["height"][list(rows)], columns["width"][list(rows)]
-        same = bool((heights == heights[0]).all() and (widths == widths[0]).all())
-        out: list[PictureArray] | PictureArray
-        if same:
-            out = np.empty((len(rows), int(heights[0]), int(widths[0]), 3), np.uint8)
-        else:
-            sizes = zip(heights.tolist(), widths.tolist(), strict=True)
-            out = [np.empty((height, width, 3), np.uint8) for height, width in sizes]
-        found = self._spans(rows)
+        out = self._targets(rows, size)
+        places = list(range(len(rows)))
+        if kept is not None:
+            lacking: list[int] = []
+
+            def look(place: int) -> None:
+                if not kept.read(rows[place], out[place]):
+                    lacking.append(place)
+
+            self._each(look, places, threads)
+            places = sorted(lacking)
+        found = self._spans([rows[place] for place in places])
         contents = iter(self._fetch([span for _, span in found if span]))
         jobs = [
-            (row, encoding, next(contents) if span else b"", out[index])
-            for index, (row, (encoding, span)) in enumerate(zip(rows, found, strict=True))
+            (place, encoding, next(contents) if span else b"")
+            for place, (encoding, span) in zip(places, found, strict=True)
         ]
 
-        # threads take the next picture when they are done with one: shares fixed beforehand would wait for the slowest
+        def decode(job: tuple[int, str, bytes]) -> None:
+            place, encoding, content = job
+            self._decode(rows[place], encoding, content, out[place], when_missing)
+            if kept is not None and encoding != "missing":
+                kept.keep(rows[place], out[place])
+
+        self._each(decode, jobs, threads)
+        return out
+
+    def _targets(self, rows: Sequence[int], size: Sequence[int] | None) -> list[PictureArray] | PictureArray:
+        """Arrays to decode into: one (n, H, W, 3) where all pictures get one size, else a list of (H, W, 3)."""
+        columns, wanted = self._load(), list(rows)
+        heights, widths = columns["height"][wanted], columns["width"][wanted]
+        if size is not None:
+            return np.empty((len(rows), *need_smaller(size, (int(heights.min()), int(widths.min()))), 3), np.uint8)
+        if (heights == heights[0]).all() and (widths == widths[0]).all():
+            return np.empty((len(rows), int(heights[0]), int(widths[0]), 3), np.uint8)
+        sizes = zip(heights.tolist(), widths.tolist(), strict=True)
+        return [np.empty((height, width, 3), np.uint8) for height, width in sizes]
+
+    def _each(self, work: Callable[[Any], None], jobs: Sequence[Any], threads: int | None) -> None:
+        """Every job, done by some threads."""
+        # threads take the next job when they are done with one: shares fixed beforehand would wait for the slowest
         waiting = iter(jobs)
 
         def run(_: int) -> None:
-            for row, encoding, content, target in waiting:
-                self._decode(row, encoding, content, target, when_missing)
+            for job in waiting:
+                work(job)
 
         n_threads = min(threads or default_threads(), len(jobs), MOST_THREADS)
-        if n_threads == 1:
+        if n_threads <= 1:
             run(0)
         else:
             list(self._threads(n_threads).map(run, range(n_threads)))
-        return out
 
     def _threads(self, count: int) -> ThreadPoolExecutor:
         if self._pool is None or self._pool[0] != os.getpid() or self._pool[1] < count:
@@ -214,12 +258,21 @@ class Pictures:
                     row=row,
                 )
             target[...] = 0
-        elif encoding == "raw":
-            self._unpacked(row, content, target)
-        else:
-            self._verify(row, content)
-            if encoding != "jpeg" or not decode_jpeg_into(content, target):
-                target[...] = self._decoded(row, content, target.shape)
+            return
+        _, _, height, width = self.facts(row)
+        shape = (height, width, 3)
+        if encoding == "raw":
+            if shape == target.shape:
+                self._unpacked(row, content, target)
+            else:
+                average_into(self._unpacked(row, content), target)
+            return
+        self._verify(row, content)
+        if encoding == "jpeg" and (
+            decode_jpeg_into(content, target) if shape == target.shape else decode_smaller_jpeg(content, shape, target)
+        ):
+            return
+        average_into(self._decoded(row, content, shape), target)
 
     def _decoded(self, row: int, content: bytes, shape: tuple[int, ...]) -> PictureArray:
         expected = f"a JPEG or PNG file of {shape[0]} x {shape[1]} pixels"
@@ -233,8 +286,9 @@ class Pictures:
 
     def _require_decodable(self, rows: Sequence[int]) -> None:
         """Refuse frames beyond the limit of decoded size with a `StoreError`, before memory is taken."""
-        columns = self._load()
-        for row in rows:
+        columns, wanted = self._load(), np.asarray(rows, np.int64)
+        sizes = columns["height"][wanted].astype(np.int64) * columns["width"][wanted]
+        for row in wanted[sizes > MAX_DECODED_PIXELS].tolist():
             if fault := size_fault(int(columns["height"][row]), int(columns["width"][row])):
                 raise StoreError(
                     f"the image of frame {row} is not decoded: its {fault}",
@@ -253,17 +307,6 @@ class Pictures:
         except ValueError as error:
             raise self._damaged(row, content, f"is damaged: {error}", "an intact shard") from error
         return picture
-
-
-def decode_jpeg_into(content: bytes, target: PictureArray) -> bool:
-    """Whether a JPEG file was decoded straight into ``target`` (H, W, 3); if not, another decoder may still know it.
-
-    OpenCV has no way to decode into an array that is there, and copying a picture takes a tenth of decoding it.
-    """
-    try:
-        return simplejpeg.decode_jpeg(content, "RGB", buffer=target).shape == target.shape
-    except ValueError:
-        return False
 
 
 def default_threads() -> int:

@@ -28,7 +28,7 @@ from tactiledata.store.layout.sensors_table import Facts, image_crc
 from tactiledata.store.read.files import StoreFiles, missing_file, open_files
 from tactiledata.store.read.index_tables import IndexTables
 from tactiledata.store.read.meshes import StoredMesh
-from tactiledata.store.read.pictures import Pictures
+from tactiledata.store.read.pictures import KeptPictures, Pictures
 from tactiledata.store.read.rows import Rows, checked_rows
 from tactiledata.store.read.sensor_facts import sensor_facts
 from tactiledata.store.read.signal_rows import Meaning, SignalRows
@@ -242,7 +242,13 @@ class Store:
         return self._pictures.payloads(checked_rows(rows, self.n_frames, "the frames").tolist(), verify)
 
     def images(
-        self, rows: ArrayLike, threads: int | None = None, missing: Literal["error", "zeros"] = "error"
+        self,
+        rows: ArrayLike,
+        threads: int | None = None,
+        missing: Literal["error", "zeros"] = "error",
+        *,
+        size: Sequence[int] | None = None,
+        kept: KeptPictures | None = None,
     ) -> list[PictureArray] | PictureArray:
         """RGB pictures, uint8: one array (n, H, W, 3) where all have one size, else a list of (H, W, 3).
 
@@ -253,13 +259,25 @@ class Store:
             Threads that decode; one a core by default. Say 1 inside worker processes.
         missing : "error" or "zeros"
             What to do for captured moments without an image.
+        size : (rows, columns), optional
+            A smaller size for all pictures. A JPEG is decoded at the nearest size above that libjpeg-turbo can leave
+            its transform at, in less time; what is still larger, and other pictures, are averaged by area.
+        kept : KeptPictures, optional
+            Where pictures that were decoded before, at this size, are looked for first and others are put.
 
         Raises
         ------
         StoreError
             An image that is damaged or missing; names the row, also in ``facts['row']``.
+        UsageError
+            A size that is larger than that of a picture.
         """
-        return self._pictures.pictures(checked_rows(rows, self.n_frames, "the frames").tolist(), threads, missing)
+        wanted = checked_rows(rows, self.n_frames, "the frames").tolist()
+        return self._pictures.pictures(wanted, threads, missing, size, kept)
+
+    def image_shape(self, row: int) -> tuple[int, int]:
+        """Rows and columns of the image of a frame, as the table of frames says."""
+        return self._pictures.facts(row)[2:]
 
     # -- sensors and splits ------------------------------------------------------------------------------------------
 

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from tactiledata.contract.image_bytes import decode_rgb
-from tactiledata.store.read.pictures import decode_jpeg_into
+from tactiledata.store.read.scaled_pictures import decode_jpeg_into
 
 BACKGROUNDS = sorted((Path(__file__).parents[3] / "tactiledata" / "sensors" / "digit_backgrounds").glob("*.jpg"))
 
