@@ -36,12 +36,15 @@ class DeformedPad:
         Numbers of the patches whose compliance is known, ascending.
     compliance : (k, k, 3, 3) 1/m
         Mean displacement of a member by a unit force on a member, for a Young's modulus of 1.
+    is_filtered : bool
+        Whether negative eigenvalues of single cells were set to zero.
     """
 
     factor: BlockFactor
     free: Indices
     members: Indices
     compliance: NDArray[np.float32]
+    is_filtered: bool
 
     def solve(self, forces: Array) -> Array:
         """Displacements (v, 3), m, that nodal forces (v, 3), m^2, add; relative error 1e-6."""
@@ -75,13 +78,29 @@ class TangentFactory:
         """Assembly of the tangent stiffness."""
         return TangentAssembly(self._elastic, self._pad.mesh.free, self._pad.poisson_ratio, self._stiffening)
 
-    def at(self, displacement: Array, members: Indices) -> DeformedPad:
-        """Return the factorised tangent at displacements (v, 3), m, with the compliance of patches ``members`` (k,)."""
-        factor = BlockFactor.of(_factorised(self._assembly.matrix(displacement)))
-        if not (factor.inverse_diagonal > 0).all():
+    def at(self, displacement: Array, members: Indices, is_filtered: bool) -> DeformedPad:
+        """Return the factorised tangent at displacements (v, 3), m, with the compliance of patches ``members`` (k,).
+
+        Parameters
+        ----------
+        displacement : (v, 3) m
+            Displacements of all nodes.
+        members : (k,)
+            Numbers of the patches, ascending.
+        is_filtered : bool
+            Whether to set negative eigenvalues of single cells to zero in any case; otherwise that is done where the
+            tangent is not positive definite, after a factorisation in vain.
+        """
+        factor = self._factor(displacement, is_filtered)
+        if not is_filtered and not (factor.inverse_diagonal > 0).all():
             # only the contact keeps the pad from giving way: leave out what would make it
-            factor = BlockFactor.of(_factorised(self._assembly.matrix(displacement, is_filtered=True)))
-        return DeformedPad(factor, self._pad.mesh.free, members, self._compliance(factor, members))
+            is_filtered = True
+            factor = self._factor(displacement, is_filtered)
+        return DeformedPad(factor, self._pad.mesh.free, members, self._compliance(factor, members), is_filtered)
+
+    def _factor(self, displacement: Array, is_filtered: bool) -> BlockFactor:
+        """Factor of the tangent at displacements (v, 3), m, without row exchanges."""
+        return BlockFactor.of(_factorised(self._assembly.matrix(displacement, is_filtered=is_filtered)))
 
     def _compliance(self, factor: BlockFactor, members: Indices) -> NDArray[np.float32]:
         """Mean displacements of patches under unit forces on them: (k, k, 3, 3), 1/m."""

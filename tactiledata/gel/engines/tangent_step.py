@@ -113,10 +113,13 @@ class TangentStep:
         self._forces: Array = np.empty((0, 3))
         self._iterations = self._age = 0
         self._mixer: SecantMixer | None = None
+        # where one tangent had to be filtered, the next ones of the touch are filtered at once
+        self._is_filtered = False
 
     def forget(self) -> None:
         """Drop the tangent."""
         self._tangent = None
+        self._is_filtered = False
 
     def start(self, path: ContactPath) -> None:
         """Start the load step of the path's present pose, from its state."""
@@ -203,7 +206,8 @@ class TangentStep:
         """Factorise the tangent at the present iterate."""
         gaps = path.gaps(self._displacement)
         members = np.flatnonzero((gaps < MAY_JOIN) | self._forces.any(axis=1))
-        self._tangent = self._body.tangents.at(self._displacement, members)
+        self._tangent = self._body.tangents.at(self._displacement, members, self._is_filtered)
+        self._is_filtered = self._tangent.is_filtered
         self._age = 0
         if self._mixer is not None:
             self._mixer.forget()
