@@ -4,6 +4,7 @@
 - ``files``: the files of a store wherever they lie, local or at a URL. ``rows``: rows of arrays, read at random.
 - ``index_tables``, ``signal_rows``, ``meshes``, ``pictures``: what `Store` hands to them, one kind of data each.
 - ``sensor_facts``: facts of sensors, held against their digests.
+- ``flags``: trajectories that a person called bad. ``named_trajectories``: the trajectory that a name means.
 - ``overview``, ``simulated``, ``free_air``, ``targets``, ``seen_target``: questions that commands ask of a store.
 
 Nothing here writes.
