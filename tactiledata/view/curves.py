@@ -1,0 +1,126 @@
+"""Curves of a trajectory: measured and simulated force, what lies between them, pose, and all other signals."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tactiledata.arrays import Array, Times
+from tactiledata.store.read.meshes import StoredMesh
+from tactiledata.store.read.reader import Store
+from tactiledata.transforms import pose_matrices
+from tactiledata.view.chosen import thinned
+from tactiledata.view.touch_log import TouchLog
+
+FORCE, TORQUE, RESIDUAL, POSE, OTHERS = "force", "torque", "residual", "pose", "signals"
+"""Entities above the curves."""
+MEASURED, SIMULATED = "measured", "simulated"
+"""Entities below force and torque."""
+CONTACT_WRENCH, TCP = "contact_wrench", "tcp"
+"""Names of the signals that have panes of their own."""
+MOST_SAMPLES = 20_000
+"""Samples of one signal that are shown; of more, every so manieth is."""
+GEL = "gel"
+"""Frame of simulated wrenches, in which measured ones can be compared with them."""
+
+
+def put_curves(log: TouchLog, store: Store, mesh: StoredMesh | None) -> tuple[list[str], set[str]]:
+    """Put the curves of a trajectory; return what is missing in words, and the entities that have curves.
+
+    Parameters
+    ----------
+    log : TouchLog
+    store : Store
+    mesh : StoredMesh, optional
+        ``None`` where the store was not replayed.
+    """
+    there: set[str] = set()
+    missing = []
+    touch = log.touch
+    for name in touch.signals:
+        t_ns, values, thinning = _samples(log, store, name)
+        missing += thinning
+        if name == CONTACT_WRENCH:
+            note = f"{MEASURED} ({store.signal(touch.signals[name][0]).frame or 'frame not stated'})"
+            log.curves(f"{FORCE}/{MEASURED}", ("fx", "fy", "fz"), t_ns, values[:, :3], simulated=False, note=note)
+            log.curves(f"{TORQUE}/{MEASURED}", ("tx", "ty", "tz"), t_ns, values[:, 3:6], simulated=False, note=note)
+            there |= {FORCE, TORQUE}
+        elif name == TCP:
+            _put_pose(log, t_ns, values)
+            there.add(POSE)
+        else:
+            signal = store.signal(touch.signals[name][0])
+            units = [f"{column} [{unit}]" for column, unit in zip(signal.columns, signal.units, strict=True)]
+            for column, label in enumerate(units):
+                log.curves(f"{OTHERS}/{name}", (label,), t_ns, values[:, column : column + 1], simulated=False)
+            there.add(OTHERS)
+    if CONTACT_WRENCH not in touch.signals:
+        missing.append("No measured contact force: the store has none of this trajectory (`tactiledata info`).")
+    if TCP not in touch.signals:
+        missing.append("No pose: the recording has none of this trajectory.")
+    return [*missing, *_put_simulated(log, store, mesh, there)], there
+
+
+def _samples(log: TouchLog, store: Store, name: str) -> tuple[Times, Array, list[str]]:
+    """Times (n,), ns, and values (n, k) of a signal, thinned where there are too many; and that in words."""
+    stored, first, stop = log.touch.signals[name]
+    signal = store.signal(stored)
+    taken = thinned(stop - first, 1, MOST_SAMPLES)
+    if len(taken) == stop - first:
+        return signal.t_ns(first, stop), np.asarray(signal.values(first, stop)), []
+    step = -(-(stop - first) // MOST_SAMPLES)
+    t_ns = np.concatenate([signal.t_ns(at, min(at + BLOCK, stop))[::step] for at in _blocks(first, stop, step)])
+    values = np.concatenate([signal.values(at, min(at + BLOCK, stop))[::step] for at in _blocks(first, stop, step)])
+    return t_ns, values, [f"Of the {stop - first} samples of {name}, every {_ordinal(step)} is shown."]
+
+
+BLOCK = 65_536
+"""Samples that are read at once where a signal is thinned."""
+
+
+def _blocks(first: int, stop: int, step: int) -> range:
+    """First rows of blocks that begin with a sample that is shown."""
+    return range(first, stop, BLOCK // step * step)
+
+
+def _ordinal(number: int) -> str:
+    return {2: "second", 3: "third"}.get(number, f"{number}th")
+
+
+def _put_pose(log: TouchLog, t_ns: Times, values: Array) -> None:
+    """Put how the tool has moved, mm, and turned, degrees, since the first pose of the trajectory that is known."""
+    known = np.isfinite(values).all(axis=1)
+    if not known.any():
+        return
+    t_ns, poses = t_ns[known], pose_matrices(values[known])
+    moved = 1e3 * (poses[:, :3, 3] - poses[0, :3, 3])
+    log.curves(f"{POSE}/moved_mm", ("x", "y", "z"), t_ns, moved, simulated=False, note="moved, mm (base)")
+    # the angle of a rotation, from the trace of its matrix
+    trace = np.einsum("nij,ij->n", poses[:, :3, :3], poses[0, :3, :3])
+    turned = np.degrees(np.arccos(np.clip((trace - 1) / 2, -1, 1)))
+    log.curves(f"{POSE}/turned_deg", ("angle",), t_ns, turned[:, None], simulated=False, note="turned, degrees")
+
+
+def _put_simulated(log: TouchLog, store: Store, mesh: StoredMesh | None, there: set[str]) -> list[str]:
+    """Put simulated wrenches, and measured minus simulated forces, at the moments of all frames of the trajectory."""
+    if mesh is None:
+        return []
+    facts, touch = log.touch.facts, log.touch
+    rows = np.arange(facts["frame_start"], facts["frame_stop"])
+    rows = rows[mesh.has_mesh(rows)]
+    if not len(rows):
+        return []
+    t_ns = store.frames(["t_ns"])["t_ns"].to_numpy()[rows]
+    wrench = mesh.wrench(rows)
+    note = f"{SIMULATED} ({GEL})"
+    log.curves(f"{FORCE}/{SIMULATED}", ("fx", "fy", "fz"), t_ns, wrench[:, :3], simulated=True, note=note)
+    log.curves(f"{TORQUE}/{SIMULATED}", ("tx", "ty", "tz"), t_ns, wrench[:, 3:6], simulated=True, note=note)
+    there |= {FORCE, TORQUE}
+    stored = touch.aligned.get(CONTACT_WRENCH)
+    if stored is None:
+        return ["No residual: no measured contact force belongs to the frames."]
+    if (frame := store.meaning("aligned", stored).frame) != GEL:
+        return [f"No residual: the measured contact force is in the frame {frame or '(not stated)'}, not {GEL}."]
+    residual = store.aligned(stored, rows)[0][:, :3] - wrench[:, :3]
+    log.curves(RESIDUAL, ("fx", "fy", "fz"), t_ns, residual, simulated=False, note="measured − simulated")
+    there.add(RESIDUAL)
+    return []
