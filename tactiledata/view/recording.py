@@ -168,6 +168,9 @@ def _write_part(part: Path, store: Store, touch: ViewedTouch, mesh: StoredMesh |
     made = provenance("view", {"store": store.digest}, {**vars(options), "names": list(options.names)})
     identity = digest_of([touch.uid, made, None if mesh is None else mesh.facts["digest"]])
     stream = rr.RecordingStream(_application(store), recording_id=f"{touch.uid}-{identity[:16]}", send_properties=False)
+    # times of writing would be a third time line
+    stream.set_log_time_enabled(False)
+    stream.set_log_tick_enabled(False)
     stream.save(str(part))
     try:
         stream.send_recording_name(touch.title)
@@ -196,7 +199,7 @@ def _properties(touch: ViewedTouch, store: Store, made: dict[str, Any]) -> Any:
         sensor=touch.facts["sensor"],
         indenter=touch.facts["indenter"],
         recorded=touch.kind,
-        flagged="" if touch.flag is None else touch.flag.reason,
+        flagged="no" if touch.flag is None else touch.flag.reason,
         start_ns=np.array([touch.start_ns], np.int64),
         log_start_ns=np.array([touch.log_ns], np.int64),
         store_digest=store.digest,
