@@ -67,7 +67,9 @@ def _legend(largest_move: float) -> list[str]:
         "time lines: `trajectory` counts seconds from its start, `log` from the start of its recording",
         "difference: twice the change against the sensor without contact; grey is none",
         "contact mask: orange where the picture shows a contact",
+        "forces and torques are in the gel frame, unless the legend names another: pressing gives fz > 0",
         "residual: measured minus simulated force at the moments of the frames",
+        "pose: how far the tool moved in the base frame, and by which angle it turned, since the start",
     ]
     if largest_move:
         lines.append(f"gel: dark is at rest, yellow has moved {1e3 * largest_move:.2f} mm; orange points are pressed")

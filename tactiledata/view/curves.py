@@ -40,7 +40,8 @@ def put_curves(log: TouchLog, store: Store, mesh: StoredMesh | None) -> tuple[li
         t_ns, values, thinning = _samples(log, store, name)
         missing += thinning
         if name == CONTACT_WRENCH:
-            note = f"{MEASURED} ({store.signal(touch.signals[name][0]).frame or 'frame not stated'})"
+            frame = store.signal(touch.signals[name][0]).frame
+            note = MEASURED if frame == GEL else f"{MEASURED} ({frame or 'frame not stated'})"
             log.curves(f"{FORCE}/{MEASURED}", ("fx", "fy", "fz"), t_ns, values[:, :3], simulated=False, note=note)
             log.curves(f"{TORQUE}/{MEASURED}", ("tx", "ty", "tz"), t_ns, values[:, 3:6], simulated=False, note=note)
             there |= {FORCE, TORQUE}
@@ -93,11 +94,11 @@ def _put_pose(log: TouchLog, t_ns: Times, values: Array) -> None:
         return
     t_ns, poses = t_ns[known], pose_matrices(values[known])
     moved = 1e3 * (poses[:, :3, 3] - poses[0, :3, 3])
-    log.curves(f"{POSE}/moved_mm", ("x", "y", "z"), t_ns, moved, simulated=False, note="moved, mm (base)")
+    log.curves(f"{POSE}/moved_mm", ("x", "y", "z"), t_ns, moved, simulated=False)
     # the angle of a rotation, from the trace of its matrix
     trace = np.einsum("nij,ij->n", poses[:, :3, :3], poses[0, :3, :3])
     turned = np.degrees(np.arccos(np.clip((trace - 1) / 2, -1, 1)))
-    log.curves(f"{POSE}/turned_deg", ("angle",), t_ns, turned[:, None], simulated=False, note="turned, degrees")
+    log.curves(f"{POSE}/turned_deg", ("angle",), t_ns, turned[:, None], simulated=False, note="[degrees]")
 
 
 def _put_simulated(log: TouchLog, store: Store, mesh: StoredMesh | None, there: set[str]) -> list[str]:
@@ -111,7 +112,7 @@ def _put_simulated(log: TouchLog, store: Store, mesh: StoredMesh | None, there: 
         return []
     t_ns = store.frames(["t_ns"])["t_ns"].to_numpy()[rows]
     wrench = mesh.wrench(rows)
-    note = f"{SIMULATED} ({GEL})"
+    note = SIMULATED
     log.curves(f"{FORCE}/{SIMULATED}", ("fx", "fy", "fz"), t_ns, wrench[:, :3], simulated=True, note=note)
     log.curves(f"{TORQUE}/{SIMULATED}", ("tx", "ty", "tz"), t_ns, wrench[:, 3:6], simulated=True, note=note)
     there |= {FORCE, TORQUE}
@@ -121,6 +122,6 @@ def _put_simulated(log: TouchLog, store: Store, mesh: StoredMesh | None, there: 
     if (frame := store.meaning("aligned", stored).frame) != GEL:
         return [f"No residual: the measured contact force is in the frame {frame or '(not stated)'}, not {GEL}."]
     residual = store.aligned(stored, rows)[0][:, :3] - wrench[:, :3]
-    log.curves(RESIDUAL, ("fx", "fy", "fz"), t_ns, residual, simulated=False, note="measured − simulated")
+    log.curves(RESIDUAL, ("fx", "fy", "fz"), t_ns, residual, simulated=False)
     there.add(RESIDUAL)
     return []

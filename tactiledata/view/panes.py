@@ -62,7 +62,13 @@ def _pictures(camera: str) -> list[Any]:
 def _plots(curves: Collection[str]) -> list[Any]:
     import rerun.blueprint as rrb
 
-    names = {FORCE: "force, N", TORQUE: "torque, N m", RESIDUAL: "residual, N", POSE: "pose, mm", OTHERS: "others"}
+    names = {
+        FORCE: "force, N",
+        TORQUE: "torque, N m",
+        RESIDUAL: "residual, N",
+        POSE: "moved since the start, mm",
+        OTHERS: "other signals",
+    }
     legend = rrb.Corner2D.LeftTop
     view = {
         name: rrb.TimeSeriesView(origin=name, name=title, plot_legend=legend)
