@@ -66,7 +66,7 @@ def _plots(curves: Collection[str]) -> list[Any]:
         FORCE: "force, N",
         TORQUE: "torque, N m",
         RESIDUAL: "residual, N",
-        POSE: "moved since the start, mm",
+        POSE: "moved, mm",
         OTHERS: "other signals",
     }
     legend = rrb.Corner2D.LeftTop
