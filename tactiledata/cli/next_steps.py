@@ -52,7 +52,16 @@ def stale_split(store: Store, name: str) -> str:
 
 
 def flagged_split(store: Store, name: str, count: int) -> str:
-    """Say that a split holds trajectories that were flagged since, with the command that draws it without them."""
+    """Say that a split holds trajectories that were flagged since, with the command that draws it without them.
+
+    Parameters
+    ----------
+    store : Store
+    name : str
+        Of the split.
+    count : int
+        How many such trajectories there are.
+    """
     what = f"{counted(count, 'trajectory')} that {agreeing(count, 'was', 'were')} flagged since"
     return f"the split {name} holds {what}; draw it again: {_drawn_again(store, name)}"
 

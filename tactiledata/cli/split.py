@@ -50,7 +50,9 @@ def split(
     location = working_store(store)
     with damage_explains(location):
         opened = Store.open(location)
-        report = make_split(opened, name, by, hold_out, fractions, force, seed, replace, with_flagged)
+        report = make_split(
+            opened, name, by, hold_out, fractions, force, seed, replace=replace, with_flagged=with_flagged
+        )
     if as_json:
         emit(report.document())
         return

@@ -18,7 +18,7 @@ from tactiledata.store.read.simulated import trajectory_kinds
 
 @dataclass(frozen=True)
 class ViewedTouch:
-    """One trajectory.
+    """A trajectory that is shown, with the recording that it is part of.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ class ViewedTouch:
 
     @property
     def seconds(self) -> float:
-        """Duration, s."""
+        """The duration of the trajectory, s."""
         return (int(self.facts["end_ns"]) - self.start_ns) / 1e9
 
     @property
