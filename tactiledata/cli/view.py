@@ -40,8 +40,9 @@ def view(
     port: int = typer.Option(9090, "--port", help="With --web: port of the page; 0 for any that is free."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Look at trajectories: pictures, contact, gel, forces and pose on one time line.
+    """Look at trajectories on one time line.
 
+    Pictures, contact, gel, forces, residual, pose and all other signals are shown together.
     Writes a file that rerun's viewer opens, here or elsewhere (`pip install rerun-sdk`, then `rerun view.rrd`).
     Measured values are dots, simulated ones are lines.
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
-from tactiledata.arrays import Array, Indices
+from tactiledata.arrays import Indices, Mask, PictureArray, SingleArray, Times
 from tactiledata.contract.wording import counted
 from tactiledata.errors import UnknownName
 from tactiledata.replay.indenter_path import indenter_path
@@ -67,7 +68,7 @@ def put_gel(log: TouchLog, store: Store, mesh: StoredMesh | None, options: ViewO
     return missing, int(has_mesh.sum())
 
 
-def _without(mesh: StoredMesh, status: Array, total: int) -> list[str]:
+def _without(mesh: StoredMesh, status: NDArray[np.int8], total: int) -> list[str]:
     """Say why frames have no mesh, a sentence for each reason."""
     said = []
     for code in np.unique(status).tolist():
@@ -78,7 +79,7 @@ def _without(mesh: StoredMesh, status: Array, total: int) -> list[str]:
     return said
 
 
-def _put_surface(log: TouchLog, mesh: StoredMesh, rows: Indices, t_ns: Array, has_mesh: Array) -> None:
+def _put_surface(log: TouchLog, mesh: StoredMesh, rows: Indices, t_ns: Times, has_mesh: Mask) -> None:
     """Put the deformed outer surface and its pressed points; a frame without a mesh shows none."""
     rr = load_rerun()
     pad = mesh.pad()
@@ -124,23 +125,24 @@ def _largest_move(mesh: StoredMesh, rows: Indices) -> float:
     return largest
 
 
-def _normals(positions: Array, faces: Indices) -> Array:
+def _normals(positions: SingleArray, faces: Indices) -> SingleArray:
     """Normals (n, 3) at the vertices of a surface, by which light falls on it: means over its triangles, by area."""
     first, second, third = positions[faces].transpose(1, 0, 2)
     of_faces = np.cross(second - first, third - first)
     normals = np.zeros_like(positions)
     for corner in faces.T:
         np.add.at(normals, corner, of_faces)
-    return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
+    lengths = np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
+    return (normals / lengths).astype(np.float32)
 
 
-def _colours(moved: Array, largest: float) -> Array:
+def _colours(moved: SingleArray, largest: float) -> PictureArray:
     """Colours (n, 3) uint8 of displacements (n,), from dark blue (none) to yellow (the largest of the trajectory)."""
     level = np.rint(255 * moved / max(largest, 1e-12)).clip(0, 255).astype(np.uint8)
     return cv2.applyColorMap(level[:, None], cv2.COLORMAP_VIRIDIS)[:, 0, ::-1]
 
 
-def _put_indenter(log: TouchLog, store: Store, rows: Indices, t_ns: Array) -> list[str]:
+def _put_indenter(log: TouchLog, store: Store, rows: Indices, t_ns: Times) -> list[str]:
     """Put the indenter at its recorded poses; return in words why it is not there, where it is not."""
     rr = load_rerun()
     touch = log.touch
