@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import fcntl
+import glob
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -36,6 +40,8 @@ from tactiledata.view.touch import TouchReader, ViewedTouch
 from tactiledata.view.touch_log import TouchLog
 
 SUFFIX = ".rrd"
+LOCK = "lock"
+"""A file that is locked as long as its folder is written to; the system frees it when the process dies."""
 
 
 @dataclass(frozen=True)
@@ -142,19 +148,36 @@ def write_view(
     reader = TouchReader(store)
     shown: list[_Shown] = []
     out.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix=f".{out.name}.", suffix=".part", dir=out.parent) as folder:
+    with _folder_beside(out) as folder:
         parts = []
         for done, row in enumerate(rows, start=1):
             touch = reader.touch(row)
-            part = Path(folder) / f"{done:06d}{SUFFIX}"
+            part = folder / f"{done:06d}{SUFFIX}"
             shown.append(_write_part(part, store, touch, mesh, options))
             parts.append(part)
             if progress is not None:
                 progress(done, len(rows), touch.name)
-        layout = Path(folder) / "panes.rbl"
+        layout = folder / "panes.rbl"
         _write_layout(layout, store, shown)
-        _join([layout, *reversed(parts)], Path(folder) / "joined.rrd", out)
+        # the viewer shows what it read last
+        _join([layout, *reversed(parts)], folder / "joined.rrd", out)
     return _report(out, shown, found, mesh)
+
+
+@contextmanager
+def _folder_beside(out: Path) -> Iterator[Path]:
+    """A folder for parts of a file, beside it, taken away at the end; those that killed processes left go as well."""
+    for left in out.parent.glob(f".{glob.escape(out.name)}.*.part"):
+        try:
+            with (left / LOCK).open("rb") as lock:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:  # another process writes there
+            continue
+        shutil.rmtree(left, ignore_errors=True)
+    place = tempfile.TemporaryDirectory(prefix=f".{out.name}.", suffix=".part", dir=out.parent)
+    with place as folder, (Path(folder) / LOCK).open("wb") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield Path(folder)
 
 
 def _application(store: Store) -> str:

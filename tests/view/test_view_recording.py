@@ -1,7 +1,11 @@
 """A view holds what the store holds: read back with rerun's reader, value for value."""
 
 import json
+import multiprocessing
+import os
 import shutil
+import signal
+import time
 
 import cv2
 import numpy as np
@@ -317,3 +321,30 @@ def test_command_writes_and_says(planted, tmp_path, monkeypatch, capsys):
         assert run_command(capsys, "view", "ds.zarr", *bad)[0] == 2
     assert (tmp_path / "view.rrd").read_bytes() == before
     assert sorted(path.name for path in tmp_path.iterdir()) == ["b.rrd", "ds.zarr", "view.rrd"]
+
+
+def view_for_ever(place, path):
+    while True:
+        write_view(Store.open(place), path, ViewOptions(most=2, pictures=3))
+
+
+@pytest.mark.slow
+def test_killed_while_writing_the_file_is_whole(planted, tmp_path):
+    """Killed with signal 9 at several moments, the file is a whole one, old or new; the next call writes it and takes
+    away what the killed ones left.
+    """
+    path = tmp_path / "view.rrd"
+    write_view(Store.open(planted), path, ViewOptions(most=2, pictures=3))
+    wanted = set(read_view(path)[0])
+    left = 0
+    for attempt in range(5):
+        writer = multiprocessing.get_context("spawn").Process(target=view_for_ever, args=(planted, path))
+        writer.start()
+        time.sleep(3 + 0.7 * attempt)
+        os.kill(writer.pid, signal.SIGKILL)
+        writer.join()
+        left += len(list(tmp_path.glob(".view.rrd.*.part")))
+        assert set(read_view(path)[0]) == wanted
+    assert left
+    write_view(Store.open(planted), path, ViewOptions(most=2, pictures=3))
+    assert [place.name for place in tmp_path.iterdir()] == ["view.rrd"]
