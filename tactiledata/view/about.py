@@ -41,6 +41,8 @@ def about(
         lines += ["**Simulated recording.** Dots are what the simulated rig measured.", ""]
     elif touch.kind == "real":
         lines += ["Real recording.", ""]
+    if touch.facts["parent"]:
+        lines += [f"**Synthetic:** made from the trajectory {plain(touch.facts['parent'])}; nobody recorded it.", ""]
     lines += [
         f"- sensor: {plain(touch.facts['sensor'] or 'not named')}",
         f"- indenter: {plain(touch.facts['indenter'] or 'not named')}",
@@ -49,8 +51,6 @@ def about(
         f"{_calendar(touch)}",
         f"- store: {plain(location)}",
     ]
-    if touch.facts["parent"]:
-        lines.append(f"- derived from the trajectory {touch.facts['parent']}")
     if mesh is not None:
         lines.append(f"- mesh: {plain(mesh.name)}, {mesh.settings['fidelity']}")
     lines += ["", "## How to read it", "", *(f"- {line}" for line in _legend(largest_move))]

@@ -70,10 +70,14 @@ class ViewedTouch:
 
     @property
     def title(self) -> str:
-        """Its name for a narrow list: whether it is flagged, its name, indenter, whether it is simulated, recording."""
+        """Its name for a narrow list: whether it is flagged, its name, indenter, whether anybody recorded it."""
         facts = self.facts
         words = ["FLAGGED" if self.flag else "", facts["trajectory"], facts["indenter"]]
-        words += ["simulated" if self.kind == "simulated" else "", self.recording]
+        words += [
+            "simulated" if self.kind == "simulated" else "",
+            "synthetic" if facts["parent"] else "",
+            self.recording,
+        ]
         return " ".join(word for word in words if word)
 
 

@@ -12,6 +12,7 @@ from split_cases import trajectories
 
 from tactiledata.contract.sealed import sealed_json
 from tactiledata.errors import SchemaError, UnknownName, UsageError
+from tactiledata.ingest.sources.overview import page
 from tactiledata.loaders.numpy import TactileArrays
 from tactiledata.loaders.selection import FlaggedTrajectoriesWarning
 from tactiledata.splits.assign import assign
@@ -211,3 +212,16 @@ def test_command(place, capsys, monkeypatch):
         assert run_command(capsys, "flag", *bad)[0] == 2
     assert run_command(capsys, "flag", name, "--remove")[0] == 0
     assert run_command(capsys, "audit", "--no-images")[0] == 0
+
+
+def test_the_report_lists_them(place):
+    """The page on a store names flagged trajectories with their reasons, as text and not as markup, and the command for
+    a split that holds one; a page on a store without flags has no such section.
+    """
+    assert "Flagged trajectories" not in page(Store.open(place), None, "default")
+    flag_trajectories(place, [next(iter(parts(place)))], "slipped <script>alert(1)</script>")
+    html = page(Store.open(place), None, "default")
+    assert "Flagged trajectories" in html
+    assert "slipped &lt;script&gt;" in html
+    assert "<script>alert(1)" not in html
+    assert "Flagged since it was drawn" in html

@@ -15,12 +15,15 @@ from copied_trees import copy_tree
 pytest.importorskip("rerun")
 
 from command import run_command
+from random_takes import SMALL, staged_take
 from viewed_store import UNSOLVED, attach_planted, planted_pad, read_view
 
+from tactiledata.contract.take import UNUSABLE
 from tactiledata.errors import UnknownName, UsageError
 from tactiledata.store.change.flag import flag_trajectories
 from tactiledata.store.layout.places import MANIFEST
 from tactiledata.store.read.reader import Store
+from tactiledata.store.write.commit import commit_groups, create
 from tactiledata.view.chosen import thinned
 from tactiledata.view.options import ViewOptions
 from tactiledata.view.recording import write_view
@@ -43,6 +46,13 @@ def seen(planted, tmp_path_factory):
     views, layouts = read_view(path)
     assert layouts == 1
     return views, report, Store.open(planted)
+
+
+def create_store(place, *seeds):
+    """A store of random takes: small pictures of all kinds, and signals."""
+    create(place, SMALL)
+    commit_groups(place, [staged_take(place, seed)[0] for seed in seeds])
+    return place
 
 
 def touches(store):
@@ -348,3 +358,28 @@ def test_killed_while_writing_the_file_is_whole(planted, tmp_path):
     assert left
     write_view(Store.open(planted), path, ViewOptions(most=2, pictures=3))
     assert [place.name for place in tmp_path.iterdir()] == ["view.rrd"]
+
+
+@pytest.mark.slow
+def test_odd_stores_are_shown(tmp_path):
+    """Raw, missing and stray pictures of several cameras, random signals, no poses, no calendar: each frame
+    with a picture is shown once, raw ones as they are, and every other one is said.
+    """
+    place = create_store(tmp_path / "odd.zarr", 3, 4, 5, 10)
+    store = Store.open(place)
+    report = write_view(store, tmp_path / "view.rrd", ViewOptions(most=0, pictures=0))
+    frames = store.frames(["trajectory", "flags", "camera", "encoding"]).to_pylist()
+    views = read_view(tmp_path / "view.rrd")[0]
+    shown = raw = 0
+    for facts in touches(store):
+        view = views[facts["uid"]]
+        assert r"odd\.zarr" in view.static("about", "TextDocument:text")[0]
+        for row in range(facts["frame_start"], facts["frame_stop"]):
+            shown += not frames[row]["flags"] & UNUSABLE
+        for path in (path for path in view.entities if path.endswith("/picture")):
+            drawn = view.rows(path, "Image:buffer")
+            raw += len(drawn)
+            assert all(len(value[0]) % 3 == 0 for _, value in drawn)
+    assert report.pictures == shown
+    assert raw
+    assert any("No picture in" in sentence for sentence in report.missing)
