@@ -51,7 +51,7 @@ def flag(
         return
     if not names:
         raise UsageError("no trajectory is named", "a uid, a name, or recording/name", "`tactiledata flag --help`")
-    if "://" in location:
+    if "://" in location or "::" in location:
         raise UsageError(f"the store {location} is not on a local disk", "a local store", "Flag it where it lies.")
     with damage_explains(location):
         _change(location, names, reason, as_json)

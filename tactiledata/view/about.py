@@ -56,7 +56,8 @@ def about(
     lines += ["", "## How to read it", "", *(f"- {line}" for line in _legend(largest_move))]
     if missing:
         lines += ["", "## What is not here", "", *(f"- {plain(sentence)}" for sentence in missing)]
-    command = shlex.join(["tactiledata", "flag", location, touch.uid, "--reason"])
+    # a line break in a name must not end the block of code
+    command = shlex.join(["tactiledata", "flag", location, touch.uid, "--reason"]).replace("\n", "\n    ")
     lines += ["", "## Is it bad?", "", "Splits leave flagged trajectories out:", "", f'    {command} "..."', ""]
     return "\n".join(lines)
 
