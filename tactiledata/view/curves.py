@@ -7,8 +7,9 @@ import numpy as np
 from tactiledata.arrays import Array, Times
 from tactiledata.store.read.meshes import StoredMesh
 from tactiledata.store.read.reader import Store
+from tactiledata.store.read.signal_rows import SignalRows
 from tactiledata.transforms import pose_matrices
-from tactiledata.view.chosen import thinned
+from tactiledata.units import SIGNAL_COLUMNS
 from tactiledata.view.touch_log import TouchLog
 
 FORCE, TORQUE, RESIDUAL, POSE, OTHERS = "force", "torque", "residual", "pose", "signals"
@@ -19,6 +20,8 @@ CONTACT_WRENCH, TCP = "contact_wrench", "tcp"
 """Names of the signals that have panes of their own."""
 MOST_SAMPLES = 20_000
 """Samples of one signal that are shown; of more, every so manieth is."""
+BLOCK = 65_536
+"""Samples that are read at once."""
 GEL = "gel"
 """Frame of simulated wrenches, in which measured ones can be compared with them."""
 
@@ -39,24 +42,26 @@ def put_curves(log: TouchLog, store: Store, mesh: StoredMesh | None) -> tuple[li
     for name in touch.signals:
         t_ns, values, thinning = _samples(log, store, name)
         missing += thinning
-        if name == CONTACT_WRENCH:
-            frame = store.signal(touch.signals[name][0]).frame
+        signal = store.signal(touch.signals[name][0])
+        # what has other columns than its name promises is one of the other signals
+        known = name if tuple(signal.columns) == SIGNAL_COLUMNS.get(name) else ""
+        if known == CONTACT_WRENCH:
+            frame = signal.frame
             note = MEASURED if frame == GEL else f"{MEASURED} ({frame or 'frame not stated'})"
             log.curves(f"{FORCE}/{MEASURED}", ("fx", "fy", "fz"), t_ns, values[:, :3], simulated=False, note=note)
             log.curves(f"{TORQUE}/{MEASURED}", ("tx", "ty", "tz"), t_ns, values[:, 3:6], simulated=False, note=note)
             there |= {FORCE, TORQUE}
-        elif name == TCP:
+        elif known == TCP:
             _put_pose(log, t_ns, values)
             there.add(POSE)
         else:
-            signal = store.signal(touch.signals[name][0])
             units = [f"{column} [{unit}]" for column, unit in zip(signal.columns, signal.units, strict=True)]
             for column, label in enumerate(units):
                 log.curves(f"{OTHERS}/{name}", (label,), t_ns, values[:, column : column + 1], simulated=False)
             there.add(OTHERS)
-    if CONTACT_WRENCH not in touch.signals:
+    if FORCE not in there:
         missing.append("No measured contact force: the store has none of this trajectory (`tactiledata info`).")
-    if TCP not in touch.signals:
+    if POSE not in there:
         missing.append("No pose: the recording has none of this trajectory.")
     return [*missing, *_put_simulated(log, store, mesh, there)], there
 
@@ -64,23 +69,33 @@ def put_curves(log: TouchLog, store: Store, mesh: StoredMesh | None) -> tuple[li
 def _samples(log: TouchLog, store: Store, name: str) -> tuple[Times, Array, list[str]]:
     """Times (n,), ns, and values (n, k) of a signal, thinned where there are too many; and that in words."""
     stored, first, stop = log.touch.signals[name]
-    signal = store.signal(stored)
-    taken = thinned(stop - first, 1, MOST_SAMPLES)
-    if len(taken) == stop - first:
-        return signal.t_ns(first, stop), np.asarray(signal.values(first, stop)), []
-    step = -(-(stop - first) // MOST_SAMPLES)
-    t_ns = np.concatenate([signal.t_ns(at, min(at + BLOCK, stop))[::step] for at in _blocks(first, stop, step)])
-    values = np.concatenate([signal.values(at, min(at + BLOCK, stop))[::step] for at in _blocks(first, stop, step)])
-    return t_ns, values, [f"Of the {stop - first} samples of {name}, every {_ordinal(step)} is shown."]
+    t_ns, values, step = every_so_many(store.signal(stored), first, stop)
+    said = [] if step == 1 else [f"Of the {stop - first} samples of {name}, every {_ordinal(step)} is shown."]
+    return t_ns, values, said
 
 
-BLOCK = 65_536
-"""Samples that are read at once where a signal is thinned."""
+def every_so_many(
+    signal: SignalRows, first: int, stop: int, most: int = MOST_SAMPLES, block: int = BLOCK
+) -> tuple[Times, Array, int]:
+    """Times (n,), ns, and values (n, k) of every so manieth sample of a signal, and every how manieth that is.
 
-
-def _blocks(first: int, stop: int, step: int) -> range:
-    """First rows of blocks that begin with a sample that is shown."""
-    return range(first, stop, BLOCK // step * step)
+    Parameters
+    ----------
+    signal : SignalRows
+    first, stop : int
+        First row, and the row after the last.
+    most : int
+        Largest number of samples that are taken.
+    block : int
+        Largest number of samples in memory at once beside those that are taken, where ``step`` is less.
+    """
+    step = max(1, -(-(stop - first) // most))
+    # each block begins with a sample that is taken
+    length = max(1, block // step) * step
+    starts = range(first, stop, length)
+    t_ns = [signal.t_ns(at, min(at + length, stop))[::step] for at in starts]
+    values = [np.asarray(signal.values(at, min(at + length, stop)))[::step] for at in starts]
+    return np.concatenate(t_ns), np.concatenate(values), step
 
 
 def _ordinal(number: int) -> str:
@@ -119,8 +134,10 @@ def _put_simulated(log: TouchLog, store: Store, mesh: StoredMesh | None, there: 
     stored = touch.aligned.get(CONTACT_WRENCH)
     if stored is None:
         return ["No residual: no measured contact force belongs to the frames."]
-    if (frame := store.meaning("aligned", stored).frame) != GEL:
-        return [f"No residual: the measured contact force is in the frame {frame or '(not stated)'}, not {GEL}."]
+    meaning = store.meaning("aligned", stored)
+    if meaning.frame != GEL or tuple(meaning.columns) != SIGNAL_COLUMNS[CONTACT_WRENCH]:
+        frame = meaning.frame or "(not stated)"
+        return [f"No residual: the measured contact force is {', '.join(meaning.columns)} in the frame {frame}."]
     residual = store.aligned(stored, rows)[0][:, :3] - wrench[:, :3]
     log.curves(RESIDUAL, ("fx", "fy", "fz"), t_ns, residual, simulated=False)
     there.add(RESIDUAL)

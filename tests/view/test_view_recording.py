@@ -25,6 +25,7 @@ from tactiledata.store.layout.places import MANIFEST
 from tactiledata.store.read.reader import Store
 from tactiledata.store.write.commit import commit_groups, create
 from tactiledata.view.chosen import thinned
+from tactiledata.view.curves import every_so_many
 from tactiledata.view.options import ViewOptions
 from tactiledata.view.recording import write_view
 
@@ -383,3 +384,26 @@ def test_odd_stores_are_shown(tmp_path):
     assert report.pictures == shown
     assert raw
     assert any("No picture in" in sentence for sentence in report.missing)
+
+
+class CountedSignal:
+    """Sample n at n nanoseconds, with the value -n."""
+
+    def t_ns(self, start, stop):
+        return np.arange(start, stop)
+
+    def values(self, start, stop):
+        return -np.arange(start, stop, dtype=float)[:, None]
+
+
+@pytest.mark.parametrize(
+    ("first", "stop", "most", "block"), [(3, 10, 100, 4), (0, 1000, 7, 64), (5, 6, 1, 1), (2, 98, 10, 3)]
+)
+def test_thinned_samples_are_evenly_taken_once(first, stop, most, block):
+    """However samples lie in blocks, every so manieth is taken once, in order, with its own value, and no more than
+    allowed.
+    """
+    t_ns, values, step = every_so_many(CountedSignal(), first, stop, most, block)
+    assert t_ns.tolist() == list(range(first, stop, step))
+    assert values[:, 0].tolist() == (-t_ns).tolist()
+    assert len(t_ns) <= most
