@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -42,8 +44,27 @@ def shown_mesh(store: Store, name: str | None) -> StoredMesh | None:
     return min(meshes, key=lambda mesh: mesh.settings["fidelity"] == "linear") if meshes else None
 
 
-def put_gel(log: TouchLog, store: Store, mesh: StoredMesh | None, options: ViewOptions) -> tuple[list[str], int]:
-    """Put the deformed gel of a trajectory; return what is missing in words, and how many frames have a mesh.
+@dataclass(frozen=True)
+class ShownGel:
+    """What is shown of the gel in a trajectory.
+
+    Parameters
+    ----------
+    missing : list of str
+        What is not there, a sentence each.
+    meshes : int
+        Frames with a mesh.
+    largest_move : float, m
+        Largest displacement in them: that of the brightest colour.
+    """
+
+    missing: list[str]
+    meshes: int = 0
+    largest_move: float = 0.0
+
+
+def put_gel(log: TouchLog, store: Store, mesh: StoredMesh | None, options: ViewOptions) -> ShownGel:
+    """Put the deformed gel of a trajectory and the indenter; return what is shown of it.
 
     Parameters
     ----------
@@ -54,7 +75,7 @@ def put_gel(log: TouchLog, store: Store, mesh: StoredMesh | None, options: ViewO
     options : ViewOptions
     """
     if mesh is None:
-        return ["No mesh and no simulated force: the store was not replayed (`tactiledata replay`)."], 0
+        return ShownGel(["No mesh and no simulated force: the store was not replayed (`tactiledata replay`)."])
     facts = log.touch.facts
     rows = np.arange(facts["frame_start"], facts["frame_stop"])
     rows = rows[thinned(len(rows), options.stride, options.pictures)]
@@ -62,10 +83,12 @@ def put_gel(log: TouchLog, store: Store, mesh: StoredMesh | None, options: ViewO
     status = mesh.status(rows)
     has_mesh = mesh.has_mesh(rows)
     missing = _without(mesh, status[~has_mesh], len(rows))
-    if has_mesh.any():
-        _put_surface(log, mesh, rows, t_ns, has_mesh)
-        missing += _put_indenter(log, store, rows, t_ns)
-    return missing, int(has_mesh.sum())
+    if not has_mesh.any():
+        return ShownGel(missing)
+    largest = _largest_move(mesh, rows[has_mesh])
+    _put_surface(log, mesh, rows, t_ns, has_mesh, largest)
+    missing += _put_indenter(log, store, rows, t_ns)
+    return ShownGel(missing, int(has_mesh.sum()), largest)
 
 
 def _without(mesh: StoredMesh, status: NDArray[np.int8], total: int) -> list[str]:
@@ -79,7 +102,7 @@ def _without(mesh: StoredMesh, status: NDArray[np.int8], total: int) -> list[str
     return said
 
 
-def _put_surface(log: TouchLog, mesh: StoredMesh, rows: Indices, t_ns: Times, has_mesh: Mask) -> None:
+def _put_surface(log: TouchLog, mesh: StoredMesh, rows: Indices, t_ns: Times, has_mesh: Mask, largest: float) -> None:
     """Put the deformed outer surface and its pressed points; a frame without a mesh shows none."""
     rr = load_rerun()
     pad = mesh.pad()
@@ -89,7 +112,6 @@ def _put_surface(log: TouchLog, mesh: StoredMesh, rows: Indices, t_ns: Times, ha
     place_of[pad.kept] = np.arange(len(pad.kept))
     kept, corners = place_of[nodes], place_of[pad.corners]
     log.put_static(SURFACE, rr.Mesh3D.from_fields(triangle_indices=faces.astype(np.uint32)))
-    largest = _largest_move(mesh, rows[has_mesh])
     for first in range(0, len(rows), BLOCK):
         block = slice(first, first + BLOCK)
         moves, pressed = mesh.displacement(rows[block]), mesh.contact(rows[block])
@@ -112,12 +134,8 @@ def _put_surface(log: TouchLog, mesh: StoredMesh, rows: Indices, t_ns: Times, ha
         log.stream.flush()
 
 
-def largest_move(mesh: StoredMesh, rows: Indices) -> float:
-    """The largest displacement, m, of any kept node at frames with a mesh; 0 where there is none."""
-    return _largest_move(mesh, rows[mesh.has_mesh(rows)])
-
-
 def _largest_move(mesh: StoredMesh, rows: Indices) -> float:
+    """The largest displacement, m, of any kept node at frames with a mesh."""
     largest = 0.0
     for first in range(0, len(rows), BLOCK):
         moves = mesh.displacement(rows[first : first + BLOCK])

@@ -31,7 +31,7 @@ from tactiledata.store.read.reader import Store
 from tactiledata.view.about import ABOUT, about
 from tactiledata.view.chosen import chosen_trajectories
 from tactiledata.view.curves import put_curves
-from tactiledata.view.gel import largest_move, put_gel, shown_mesh
+from tactiledata.view.gel import put_gel, shown_mesh
 from tactiledata.view.options import ViewOptions
 from tactiledata.view.panes import panes
 from tactiledata.view.pictures import put_pictures
@@ -200,19 +200,16 @@ def _write_part(part: Path, store: Store, touch: ViewedTouch, mesh: StoredMesh |
         stream.send_recording_name(touch.title)
         log = TouchLog(stream, touch)
         cameras, missing, pictures = put_pictures(log, store, options)
-        without_mesh, meshes = put_gel(log, store, mesh, options)
+        gel = put_gel(log, store, mesh, options)
         without_curves, curves = put_curves(log, store, mesh)
-        missing += [*without_mesh, *without_curves]
-        moved = 0.0
-        if mesh is not None:
-            moved = largest_move(mesh, np.arange(touch.facts["frame_start"], touch.facts["frame_stop"]))
-        words = about(touch, store.location, mesh, moved, missing)
+        missing += [*gel.missing, *without_curves]
+        words = about(touch, store.location, mesh, gel.largest_move, missing)
         log.put_static(ABOUT, rr.TextDocument(words, media_type="text/markdown"))
         stream.send_property("tactiledata", _properties(touch, store, made))
         stream.flush()
     finally:
         stream.disconnect()
-    return _Shown(touch, cameras, curves, pictures, meshes, missing)
+    return _Shown(touch, cameras, curves, pictures, gel.meshes, missing)
 
 
 def _properties(touch: ViewedTouch, store: Store, made: dict[str, Any]) -> Any:

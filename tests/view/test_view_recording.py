@@ -192,6 +192,8 @@ def test_gel_is_the_deformed_surface(seen):
             np.testing.assert_allclose(positions[faces], wanted[pad.triangles], atol=1e-7)
         pressed = [value for _, value in view.rows("gel/pressed", "Points3D:positions") if value]
         assert all(len(points) == -(-len(pad.corners) // 3) for points in pressed)
+        largest = np.linalg.norm(store.mesh("planted").displacement(solved), axis=2).max()
+        assert f"yellow has moved {1e3 * largest:.2f} mm" in view.static("about", "TextDocument:text")[0]
     assert report.meshes == store.n_frames - 1
 
 
