@@ -16,7 +16,7 @@ LAYERS = [  # bottom first; packages of one row never import one another
     ["tactiledata.formats", "tactiledata.store", "tactiledata.metrics", "tactiledata.gel"],
     ["tactiledata.splits", "tactiledata.nuisance", "tactiledata.effects"],
     ["tactiledata.ingest", "tactiledata.loaders", "tactiledata.replay", "tactiledata.optics"],
-    ["tactiledata.calibrate", "tactiledata.scoring"],
+    ["tactiledata.calibrate", "tactiledata.scoring", "tactiledata.view"],
     ["tactiledata.diagnose"],
     ["tactiledata.rig"],
     ["tactiledata.cli"],

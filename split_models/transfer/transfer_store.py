@@ -19,6 +19,7 @@ from tactiledata.contract.records import Finding
 from tactiledata.contract.wording import counted
 from tactiledata.errors import StoreError, UnknownName, UsageError
 from tactiledata.sensors.average_background import refuse_swapped_channels
+from tactiledata.store.change.flag import carry_flags
 from tactiledata.store.change.pieces import Origin, Piece, pieces_of
 from tactiledata.store.layout.lock import writing_lock
 from tactiledata.store.layout.manifest import settings_of
@@ -52,7 +53,8 @@ class TransferReport:
     notes : tuple of str
         Remarks for the user.
     findings : tuple of Finding
-        Warnings where the target is a sensor of the source store, or one that the model was trained on.
+        Warnings where the target is a sensor of the source store, or one that the model was trained on, and flags of
+        trajectories that came along.
     """
 
     out: str
@@ -85,7 +87,8 @@ def transfer_store(
     """Write a store with every touch of a store as the target sensor might have recorded it, and report on it.
 
     Signals, forces and times are the parents'. Pictures are new and lossless, and meshes stay with the parents. Each
-    trajectory names its parent, so that `split` and `audit` keep the family together once both stores are merged.
+    trajectory names its parent, so that `split` and `audit` keep the family together once both stores are merged. What
+    is made of a flagged trajectory counts as flagged.
     A call that was killed and is repeated resumes at the first unfinished recording and ends with the same bytes.
     Memory holds the source's tables, one recording's numbers, and 64 pictures.
 
@@ -132,6 +135,8 @@ def transfer_store(
         create(out, settings_of(store.manifest))
     with writing_lock(out, INTAKE_LOCK):
         recover(out)
+        # before the recordings: what is made of a flagged trajectory is never there without the flag of its parent
+        carried = carry_flags([store], out, derived=True)
         added = _write(out, chosen, transfer, progress)
     made = Store.open(out)
     notes = [f"meshes stay with the parents: {', '.join(store.mesh_names)}"] if store.mesh_names else []
@@ -145,7 +150,7 @@ def transfer_store(
         added,
         left_out=store.n_frames - sum(counts),
         notes=tuple(notes),
-        findings=tuple(target_findings(target, store, backgrounds, getattr(method, "learned_from", None))),
+        findings=(*carried, *target_findings(target, store, backgrounds, getattr(method, "learned_from", None))),
     )
 
 

@@ -24,6 +24,7 @@ from tactiledata.replay.opened import OpenedStore
 from tactiledata.replay.plan import GAP_LIMIT_NS, PlannedTouch
 from tactiledata.sensors.robotiq_ft300s import ROBOTIQ_FT300S
 from tactiledata.store.check.values import need_sound_values
+from tactiledata.store.read.flags import flagged_trajectories
 
 WRENCH = "contact_wrench"
 """Stream of a store that is fitted."""
@@ -116,10 +117,12 @@ def _usable(opened: OpenedStore, options: CalibrationOptions, left_out: Counter[
     # one mesh for all: the pad of most of them
     pads = Counter(touch.pad for touch in chosen if touch.obstacle is None)
     pad = pads.most_common(1)[0][0] if pads else -1
-    usable = []
+    usable, flagged = [], flagged_trajectories(opened.store)
     for touch in chosen:
         peak = opened.by_uid[touch.uid]["peak_force"]
-        if touch.obstacle is not None:
+        if touch.uid in flagged:
+            left_out["flagged as bad"] += 1
+        elif touch.obstacle is not None:
             left_out[touch.reason] += 1
         elif touch.pad != pad:
             left_out["a gel of another shape: calibrate it on its own, with --sensor"] += 1

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shlex
 from typing import TYPE_CHECKING
 
+from tactiledata.contract.wording import agreeing, counted
 from tactiledata.errors import LeakError, TactileDataError
 
 if TYPE_CHECKING:
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
 
 def next_steps(store: Store) -> list[str]:
     """Return the lines that say what comes next for a store: none where it lies behind an address."""
+    from tactiledata.splits.flagged import flagged_in_parts
     from tactiledata.splits.manifest import load_split
 
     if "://" in store.location:
@@ -23,12 +25,15 @@ def next_steps(store: Store) -> list[str]:
     lines = []
     for name in names:
         try:
-            load_split(store, name)
+            held = flagged_in_parts(store, load_split(store, name))
         except LeakError:
             lines.append(stale_split(store, name))
         except TactileDataError:
             lines.append(f"the split {name} is damaged; draw it again: {_drawn_again(store, name)}")
         else:
+            if held:
+                lines.append(flagged_split(store, name, len(held)))
+                continue
             lines.append(f"next: {shlex.join(['tactiledata', 'audit', store.location, '--split', name])}")
     return lines
 
@@ -44,6 +49,21 @@ def first_split(store: Store) -> str:
 def stale_split(store: Store, name: str) -> str:
     """Say that a split is out of date, with the command that draws it again with its own options."""
     return f"the split {name} is out of date; draw it again: {_drawn_again(store, name)}"
+
+
+def flagged_split(store: Store, name: str, count: int) -> str:
+    """Say that a split holds trajectories that were flagged since, with the command that draws it without them.
+
+    Parameters
+    ----------
+    store : Store
+    name : str
+        Of the split.
+    count : int
+        How many such trajectories there are.
+    """
+    what = f"{counted(count, 'trajectory')} that {agreeing(count, 'was', 'were')} flagged since"
+    return f"the split {name} holds {what}; draw it again: {_drawn_again(store, name)}"
 
 
 def _drawn_again(store: Store, name: str) -> str:

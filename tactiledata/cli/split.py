@@ -33,6 +33,9 @@ def split(
     seed: int = typer.Option(0, "--seed", help="Random seed for drawing the split."),
     name: str = typer.Option("default", "--name", help="Name of the split inside the store."),
     replace: bool = typer.Option(False, "--replace", help="Replace a split of this name that has other options."),
+    with_flagged: bool = typer.Option(
+        False, "--with-flagged", help="Take trajectories that are flagged as bad, too; they are left out by default."
+    ),
     as_json: bool = JSON_OPTION,
 ) -> None:
     """Divide whole trajectories into train, val, test, test_unseen.
@@ -47,7 +50,9 @@ def split(
     location = working_store(store)
     with damage_explains(location):
         opened = Store.open(location)
-        report = make_split(opened, name, by, hold_out, fractions, force, seed, replace)
+        report = make_split(
+            opened, name, by, hold_out, fractions, force, seed, replace=replace, with_flagged=with_flagged
+        )
     if as_json:
         emit(report.document())
         return

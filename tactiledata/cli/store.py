@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 
 import typer
@@ -12,6 +13,9 @@ from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say, t
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
 from tactiledata.contract.wording import counted
 from tactiledata.errors import UnknownName
+
+MOST_FLAGS = 20
+"""Flagged trajectories that `info` lists."""
 
 
 def register(app: typer.Typer) -> None:
@@ -68,13 +72,15 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
     ]
     if signals:
         table("", ("signal", "columns", "frame", "samples", "Hz", "changes at Hz while moving"), signals)
-    # splits, meshes and findings
+    # splits, meshes, flags and findings
     for name in opened.split_names():
         say(f"split: {name}")
     for name, mesh in facts["meshes"].items():
         have = ", ".join(f"{count} {words}" for words, count in mesh["status"].items())
         effects = f", with {', '.join(mesh['effects'])}" if mesh["effects"] else ""
         say(f"mesh: {name}, {mesh['fidelity']}{effects}, {mesh['vertices']} vertices ({mesh['kept']} kept): {have}")
+    for line in _flag_lines(opened.location, facts["flagged"]):
+        say(line)
     say(f"status: {', '.join(f'{count} {status}' for status, count in sorted(facts['status'].items()))}")
     for code, row in sorted(facts["findings"].items()):
         say(f"  {row['severity']:<7} {code}: {row['count']} in {counted(row['sources'], 'recording')}")
@@ -82,6 +88,17 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
     with damage_explains(location):
         for line in next_steps(opened):
             say(line)
+
+
+def _flag_lines(location: str, flags: list[dict[str, str]]) -> list[str]:
+    """Return what `info` says of flagged trajectories; nothing where there are none."""
+    if not flags:
+        return []
+    lines = [f"flagged as bad, and left out of splits: {counted(len(flags), 'trajectory')}"]
+    lines += [f"  {flag['name']}: {flag['reason']}" for flag in flags[:MOST_FLAGS]]
+    if len(flags) > MOST_FLAGS:
+        lines.append(f"  and {len(flags) - MOST_FLAGS} more: {shlex.join(['tactiledata', 'flag', location, '--list'])}")
+    return lines
 
 
 def check(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import typer
@@ -9,6 +10,23 @@ import typer
 from tactiledata.errors import UsageError
 
 STORE_ARGUMENT = typer.Argument(None, help="A store (*.zarr). Default: the only store in the working folder.")
+
+
+def store_and_names(words: Sequence[str] | None) -> tuple[str, list[str]]:
+    """Return the store that a command works on, and the words that name something in it.
+
+    The first word is the store where it ends in ``.zarr``, is an address, or is a folder with a manifest; else the only
+    store in the working folder is taken, and all words are names.
+    """
+    from tactiledata.store.layout.places import MANIFEST
+
+    given = list(words or [])
+    if given:
+        first = given[0]
+        is_address = "://" in first or "::" in first
+        if is_address or first.rstrip("/").endswith(".zarr") or (Path(first) / MANIFEST).is_file():
+            return first, given[1:]
+    return working_store(None), given
 
 
 def working_store(named: str | None, remedy: str = "Name one of them.") -> str:

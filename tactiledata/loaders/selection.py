@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
@@ -12,9 +13,13 @@ import pyarrow.compute as pc
 from numpy.typing import NDArray
 
 from tactiledata.contract.take import UNUSABLE, FrameFlag
+from tactiledata.contract.wording import agreeing, counted
 from tactiledata.errors import MissingSplit, UsageError
+from tactiledata.splits.again import command
+from tactiledata.splits.flagged import SHOWN, flagged_in_parts
 from tactiledata.splits.manifest import Split, frame_rows, load_split, partition_rows
 from tactiledata.splits.options import PARTITIONS
+from tactiledata.store.read.flags import flag_words, flagged_trajectories
 
 if TYPE_CHECKING:
     from tactiledata.store.read.reader import Store
@@ -22,6 +27,10 @@ if TYPE_CHECKING:
 ALL = "all"
 COLUMNS = ("trajectory", "camera", "flags")
 FILTERED = "outside the split's contact filter"
+
+
+class FlaggedTrajectoriesWarning(UserWarning):
+    """A dataset holds trajectories that were flagged as bad after its split was drawn."""
 
 
 @dataclass(frozen=True)
@@ -130,10 +139,29 @@ def select(
     left_out = {reason: int((belongs & mask).sum()) for reason, mask in reasons.items()}
     left_out[FILTERED] = int((belongs & ~kept).sum()) - sum(left_out.values())
     n_trajectories = len(np.unique(trajectory[kept & (trajectory >= 0)]))
-    report = LoadReport(
-        split or "", int(kept.sum()), n_trajectories, {reason: count for reason, count in left_out.items() if count}
-    )
+    counts = {reason: count for reason, count in left_out.items() if count}
+    report = LoadReport(split or "", int(kept.sum()), n_trajectories, counts).noted(_flagged_note(store, split, chosen))
     return Selection(np.flatnonzero(kept).astype(np.int64), in_split[kept], chosen, report)
+
+
+def _flagged_note(store: Store, split: str | None, chosen: Split | None) -> str:
+    """Say which flagged trajectories a part of a split holds, and warn of them; empty where there are none."""
+    if chosen is None:
+        flags = list(flagged_trajectories(store).values())
+        return f"{counted(len(flags), 'flagged trajectory')} among them: {flag_words(flags, SHOWN)}" if flags else ""
+    part = (split or "").rpartition("/")[2]
+    held = flagged_in_parts(store, chosen, part)
+    if not held:
+        return ""
+    note = f"{counted(len(held), 'trajectory')} {agreeing(len(held), 'was', 'were')} flagged since the split was drawn"
+    again = command(store.location, chosen.name, chosen.document["options"])
+    warnings.warn(
+        f"{split} of {store.location}: {note} ({flag_words(held, SHOWN)}), and is loaded all the same. Run `{again}` "
+        "again, which leaves flagged trajectories out; or with --with-flagged, where they are meant.",
+        FlaggedTrajectoriesWarning,
+        stacklevel=4,
+    )
+    return note
 
 
 def _taken(

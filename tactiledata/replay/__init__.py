@@ -10,7 +10,7 @@ Read in this order:
 - ``effect_touches``, ``store_facts``, ``store_motion``: the inputs of effects (missing physics) from a store;
 - ``effect_rounds``, ``played_answer``, ``effect_words``: simulation with effects, and their names on pages;
 - ``report``, ``overview``: what a replay attached, for a terminal and for a page;
-- ``frame_scene``: one frame as a MuJoCo scene.
+- ``frame_scene``: one frame as a MuJoCo scene. ``indenter_path``: the indenter at every frame, for other pictures.
 
 The room simulates through ``gel`` and ``effects`` and writes through ``store.write``. It fits nothing and judges no
 physics: that is the work of ``calibrate`` and ``diagnose``, which it does not import.

@@ -12,13 +12,14 @@ import trimesh
 
 from tactiledata.arrays import Array
 from tactiledata.contract.description import LogDescription
-from tactiledata.errors import TactileDataError, UnknownName, UsageError
+from tactiledata.errors import TactileDataError, UsageError
 from tactiledata.gel.mesh.pad import PadMesh
 from tactiledata.gel.mesh.structured_pad import pad_mesh
 from tactiledata.gel.scene.arm import ToolCheck, base_from_flange, fit_tool
 from tactiledata.gel.scene.scene import GelScene, SceneParts
 from tactiledata.indenters import make_indenter
 from tactiledata.replay.geometry import gel_geometry
+from tactiledata.store.read.named_trajectories import named_trajectories
 from tactiledata.store.read.reader import Store
 from tactiledata.transforms import Transform, pose_matrices
 
@@ -84,7 +85,7 @@ def frame_scene(
     store : Store
         Its poses, joints and descriptions are read.
     trajectory : str
-        Name or uid.
+        Uid, name, or recording and name, such as ``D20001.mcap/t00000``.
     frame : int
         Counted from 0 within the trajectory.
     indenter_folder : Path, optional
@@ -102,7 +103,8 @@ def frame_scene(
     TactileDataError
         The recording lacks the pose, the gel's place or geometry, or the indenter's shape or place.
     """
-    row = _trajectory(store, trajectory)
+    columns = ["trajectory", "source", "sensor", "indenter", "frame_start", "frame_stop"]
+    row = store.trajectories(columns).slice(named_trajectories(store, [trajectory])[0], 1).to_pylist()[0]
     frames = np.arange(row["frame_start"], row["frame_stop"])
     if not 0 <= frame < len(frames):
         raise UsageError(f"frame {frame} of trajectory {row['trajectory']}", f"0 to {len(frames) - 1}", "")
@@ -147,21 +149,6 @@ def frame_scene(
         np.linalg.inv(base_from_flange(angles)[0]) @ base_from_tcp if is_arm_known else None,
     )
     return FrameScene(GelScene(parts), pose_from, check)
-
-
-def _trajectory(store: Store, name: str) -> dict[str, Any]:
-    """Row of the trajectory of a name or uid; refuse a name that is unknown or ambiguous."""
-    columns = ["uid", "trajectory", "source", "sensor", "indenter", "frame_start", "frame_stop"]
-    rows = store.trajectories(columns).to_pylist()
-    matches = [row for row in rows if name in (row["trajectory"], row["uid"])]
-    if len(matches) > 1:
-        uids = ", ".join(row["uid"] for row in matches)
-        raise UsageError(
-            f"{len(matches)} trajectories are called {name!r}", f"one of their uids: {uids}", "Name a uid."
-        )
-    if not matches:
-        raise UnknownName("trajectory", name, [row["trajectory"] for row in rows])
-    return matches[0]
 
 
 def _tool(stated: Transform | None, check: ToolCheck | None) -> Array:

@@ -84,7 +84,12 @@ def _difference(touch: TouchPicture) -> NDArray[np.uint8] | None:
     """Return the doubled difference of both pictures about grey; None where they cannot be compared."""
     if touch.background is None or touch.image is None or touch.background.shape != touch.image.shape:
         return None
-    change = touch.image.astype(np.int16) - touch.background
+    return difference_picture(touch.image, touch.background)
+
+
+def difference_picture(image: NDArray[np.uint8], background: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Return the doubled difference (H, W, 3) of two pictures (H, W, 3) about grey: 128 where they are alike."""
+    change = image.astype(np.int16) - background
     return np.clip(128 + 2 * change, 0, 255).astype(np.uint8)
 
 

@@ -6,5 +6,5 @@
 - ``select``: which frames a split takes. ``report``, ``suggest``, ``again``: what came out, in words and commands.
 - ``audit``: the search for leaks. ``leaks``: those that tables show, such as a derived trajectory or frame in another
   part than its parent. ``moment_leaks``: those between sensors. ``fingerprints``, ``copies``: copies of pictures.
-- ``across``: leaks between two stores.
+- ``flagged``: trajectories that a person called bad. ``across``: leaks between two stores.
 """

@@ -6,6 +6,7 @@ import numpy as np
 
 from tactiledata.contract.records import Finding
 from tactiledata.errors import UsageError
+from tactiledata.splits.flagged import flagged_parent_findings
 from tactiledata.splits.groups import family_roots
 from tactiledata.splits.leaks import leak, partition_codes
 from tactiledata.splits.manifest import load_split, partition_rows
@@ -16,7 +17,8 @@ from tactiledata.store.read.reader import Store
 def audit_across(
     children: Store, parents: Store, name: str = "default", parents_name: str | None = None
 ) -> list[Finding]:
-    """Derived trajectories of one store that stand in another part than their recorded root in the other store.
+    """Derived trajectories of one store that stand in another part than their recorded root in the other store, or
+    whose origin is flagged there.
 
     Parameters
     ----------
@@ -53,6 +55,7 @@ def audit_across(
         f"{PARTITIONS[origin[at]]} of {parents.location}"
         for at in bad
     )
-    return leak(
-        "derived-away-from-parent", "derived trajectories stand apart from what they come from", cases, len(bad)
-    )
+    return [
+        *leak("derived-away-from-parent", "derived trajectories stand apart from what they come from", cases, len(bad)),
+        *flagged_parent_findings(children, parents, ours),
+    ]

@@ -33,6 +33,7 @@ def command(location: str, name: str, options: Mapping[str, Any]) -> str:
     }
     usual = SplitOptions().document()
     chosen = [word for key, words in typed.items() if options[key] != usual[key] for word in words]
+    chosen += ["--with-flagged"] if options.get("with_flagged") else []
     return shlex.join(["tactiledata", "split", location, "--name", name, *chosen])
 
 

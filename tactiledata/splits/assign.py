@@ -8,11 +8,12 @@ goes by the first of them (see `moments`).
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Literal
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 from numpy.typing import NDArray
 
 from tactiledata.errors import UnknownName, UsageError
@@ -112,7 +113,11 @@ def _recorded_units(trajectories: pa.Table, kind: str) -> list[str]:
 
 
 def assign(
-    trajectories: pa.Table, options: SplitOptions, held_out: Held, frames: NDArray[np.int64] | None = None
+    trajectories: pa.Table,
+    options: SplitOptions,
+    held_out: Held,
+    frames: NDArray[np.int64] | None = None,
+    flagged: Collection[str] = (),
 ) -> pa.Table:
     """The partition of every trajectory.
 
@@ -124,6 +129,8 @@ def assign(
     held_out : dict, unit kind -> names
     frames : (n,) int64, optional
         Frames that the split takes from each trajectory; 0 where not given.
+    flagged : collection of str
+        Uids that go into no part. They take part in the draw all the same, so that a flag moves nobody else.
 
     Returns
     -------
@@ -135,7 +142,7 @@ def assign(
     StoreError
         A uid twice, or parents in a circle.
     UsageError
-        Every trajectory carries a held-out unit.
+        Every trajectory carries a held-out unit, or those that do not are flagged.
     """
     groups = group_trajectories(trajectories)
     key = {uid: draw(uid, options.seed) for uid in set(groups.moment)}
@@ -155,6 +162,14 @@ def assign(
             "trajectories that are left to train on",
             "Hold fewer units out.",
         )
+    if flagged:
+        partition[pc.is_in(trajectories["uid"], value_set=pa.array(list(flagged), pa.string())).to_numpy()] = EXCLUDED
+        if len(partition) and not np.isin(partition, SHARES).any():
+            raise UsageError(
+                f"all trajectories that could be learned from are flagged ({len(flagged)} of {len(partition)})",
+                "trajectories that are left to train on",
+                "Take flags off with `tactiledata flag STORE TRAJECTORY --remove`, or split with --with-flagged.",
+            )
     count = np.zeros(trajectories.num_rows, np.int64) if frames is None else frames
     columns = {
         **{name: trajectories[name] for name in ("uid", "trajectory", *UNIT_KINDS)},

@@ -20,6 +20,7 @@ from tactiledata.splits import leaks, moment_leaks
 from tactiledata.splits.again import command
 from tactiledata.splits.copies import Portrait, compare_images, sensor_noise
 from tactiledata.splits.fingerprints import CELLS, fingerprint, near_pairs
+from tactiledata.splits.flagged import FLAGGED, flag_findings
 from tactiledata.splits.groups import codes
 from tactiledata.splits.manifest import Split, coverage_problem, partition_rows, read_split
 from tactiledata.splits.options import PARTITIONS, SHARES
@@ -89,12 +90,13 @@ class AuditReport:
         codes = [finding.code for finding in self.leaks]
         if "split-changed" in codes:
             return "its files were changed or damaged, so that nothing can be said about leaks"
-        kinds = [code for code in codes if code != "split-out-of-date"]
+        kinds = [code for code in codes if code not in ("split-out-of-date", FLAGGED)]
         leaks = f"{counted(len(kinds), 'kind')} of leak" if kinds else "no leak found"
         empty = [finding for finding in self.findings if finding.code == "split-empty-part"]
         leaks += f", but {empty[0].message.partition(':')[0]}" if empty else ""
         stale = f"out of date: the store holds other trajectories; run `{self.again}` again; "
-        return (stale if "split-out-of-date" in codes else "") + leaks
+        flagged = f"it holds flagged trajectories; run `{self.again}` again; " if FLAGGED in codes else ""
+        return (stale if "split-out-of-date" in codes else "") + flagged + leaks
 
 
 def audit(store: Store, name: str = "default", images: bool = True, progress: Progress | None = None) -> AuditReport:
@@ -122,7 +124,7 @@ def audit(store: Store, name: str = "default", images: bool = True, progress: Pr
     trajectories = store.trajectories(list(AUDIT_TRAJECTORY_COLUMNS))
     frames = store.frames(list(AUDIT_FRAME_COLUMNS))
     again = command(store.location, name, split.document["options"])
-    found = audit_tables(split, trajectories, frames, again)
+    found = [*audit_tables(split, trajectories, frames, again), *flag_findings(store, split, again)]
     checked = {"trajectories": trajectories.num_rows, "frames": frames.num_rows}
     if images:
         part = leaks.partition_codes(partition_rows(split, trajectories["uid"]))
@@ -153,7 +155,8 @@ def audit_tables(
     part = leaks.partition_codes(partition)
     taken = taken_frames(frames, split.force)
     found += leaks.shared_uids(split.table)
-    found += leaks.unlike_drawn(trajectories, split.table, partition, split.options, split.held_out)
+    drawn_without = split.document.get("flagged", ())
+    found += leaks.unlike_drawn(trajectories, split.table, partition, split.options, split.held_out, drawn_without)
     found += leaks.held_out_elsewhere(trajectories, part, split.held_out)
     found += leaks.parted_families(trajectories, part)
     found += leaks.parted_touches(trajectories, part)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 
 import numpy as np
 import pyarrow as pa
@@ -184,7 +184,12 @@ def held_out_elsewhere(trajectories: pa.Table, part: NDArray[np.int64], held_out
 
 
 def unlike_drawn(
-    trajectories: pa.Table, table: pa.Table, partition: NDArray[np.object_], options: SplitOptions, held_out: Held
+    trajectories: pa.Table,
+    table: pa.Table,
+    partition: NDArray[np.object_],
+    options: SplitOptions,
+    held_out: Held,
+    flagged: Collection[str] = (),
 ) -> list[Finding]:
     """Return findings on trajectories that are not where the split's own options put them: the table was changed.
 
@@ -200,8 +205,10 @@ def unlike_drawn(
         Options that the split's document states.
     held_out : dict, unit kind -> names
         Sensors and indenters that its document calls held out.
+    flagged : collection of str
+        Uids that its document says were left out because they were flagged.
     """
-    drawn = assign(trajectories, options, held_out)
+    drawn = assign(trajectories, options, held_out, flagged=flagged)
     expected = np.asarray(drawn["partition"].to_pylist(), object)
     known = np.array([part is not None for part in partition], bool)
     moved = np.flatnonzero(known & (partition != expected))

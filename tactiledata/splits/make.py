@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,11 +12,13 @@ from tactiledata.contract.wording import agreeing, counted
 from tactiledata.errors import SchemaError, StoreError, UsageError
 from tactiledata.splits.again import command
 from tactiledata.splits.assign import Held, assign, choose_held_out, describe_held
+from tactiledata.splits.flagged import flag_change_notes, flag_notes
 from tactiledata.splits.groups import group_trajectories
 from tactiledata.splits.manifest import read_split, read_split_document, write_split
 from tactiledata.splits.options import HoldOut, SplitOptions, check_name
 from tactiledata.splits.report import SplitReport, count_parts, count_strata, notes_on
 from tactiledata.splits.select import FRAME_COLUMNS, check_force_filter, frames_per_trajectory, taken_frames
+from tactiledata.store.read.flags import Flag, flagged_trajectories
 
 if TYPE_CHECKING:
     from tactiledata.store.read.reader import Store
@@ -33,6 +35,7 @@ def make_split(
     force: Sequence[float] | str | None = (1.0, 13.0),
     seed: int = 0,
     replace: bool = False,
+    with_flagged: bool = False,
 ) -> SplitReport:
     """A split of a store, written beside it.
 
@@ -51,6 +54,8 @@ def make_split(
     seed : int
     replace : bool
         Make it anew even where one of that name exists with other options; its parts and held-out units are forgotten.
+    with_flagged : bool
+        Take flagged trajectories, too; they are left out by default, with what was derived from them.
 
     Raises
     ------
@@ -61,13 +66,15 @@ def make_split(
     StoreError
         Nothing to split, a damaged store, a disk that is full.
     """
-    options = SplitOptions.checked(by, hold_out, fractions, force, seed)
+    options = SplitOptions.checked(by, hold_out, fractions, force, seed, with_flagged)
     path = _local_path(store, check_name(name))
     trajectories = store.trajectories(list(TRAJECTORY_COLUMNS))
     frames = store.frames(list(FRAME_COLUMNS))
     before = None if replace else _existing(store, name, options)
-    report, table = split_tables(name, trajectories, frames, options, None if before is None else before["held_out"])
-    moved = _moved(store, name, table) if before is not None else []
+    flags = flagged_trajectories(store)
+    kept = None if before is None else before["held_out"]
+    report, table = split_tables(name, trajectories, frames, options, kept, flags)
+    moved = _moved(store, name, table, report.flagged) if before is not None else []
     report = SplitReport(**{**vars(report), "notes": (*report.notes, *moved)})
     state = {"digest": store.digest, "trajectories": trajectories.num_rows, "frames": frames.num_rows}
     write_split(path, report, table, state)
@@ -75,7 +82,12 @@ def make_split(
 
 
 def split_tables(
-    name: str, trajectories: pa.Table, frames: pa.Table, options: SplitOptions, kept: Held | None = None
+    name: str,
+    trajectories: pa.Table,
+    frames: pa.Table,
+    options: SplitOptions,
+    kept: Held | None = None,
+    flags: Mapping[str, Flag] | None = None,
 ) -> tuple[SplitReport, pa.Table]:
     """A split of tables: what `make_split` writes, with nothing written.
 
@@ -87,6 +99,8 @@ def split_tables(
     options : SplitOptions
     kept : dict, unit kind -> names, optional
         Held-out units of the split that is brought up to date.
+    flags : dict, uid -> Flag, optional
+        Flagged trajectories.
     """
     if not trajectories.num_rows:
         raise StoreError(
@@ -110,10 +124,12 @@ def split_tables(
         why = [f"held out as before: {describe_held(before)}; this store alone would give {describe_held(held_out)}"]
         held_out = before
     counted = frames_per_trajectory(frames, taken, trajectories.num_rows)
-    table = assign(trajectories, options, held_out, counted)
+    left_out = {} if options.with_flagged or flags is None else flags
+    table = assign(trajectories, options, held_out, counted, left_out)
     counts, strata = count_parts(table), count_strata(table, options.strata)
-    notes += [*why, *notes_on(table, options, held_out, counts, strata)]
-    return SplitReport(name, options, held_out, counts, strata, tuple(notes)), table
+    notes += [*flag_notes(flags or {}, options), *why]
+    notes += notes_on(table, options, held_out, counts, strata, left_out)
+    return SplitReport(name, options, held_out, counts, strata, tuple(notes), tuple(left_out)), table
 
 
 def _local_path(store: Store, name: str) -> Path:
@@ -137,10 +153,11 @@ def _existing(store: Store, name: str, options: SplitOptions) -> dict[str, Any] 
     if document is None:
         return None
     if document["options"] != options.document():
-        differ = [key for key, value in options.document().items() if document["options"][key] != value]
+        there, here = document["options"], options.document()
+        differ = [key for key in {**there, **here} if there.get(key) != here.get(key)]
         raise UsageError(
             f"a split {name!r} exists that was made with other options ("
-            + "; ".join(f"{key}: {document['options'][key]} there, {options.document()[key]} here" for key in differ)
+            + "; ".join(f"{key}: {there.get(key, 'not so')} there, {here.get(key, 'not so')} here" for key in differ)
             + ")",
             "the same options, to bring it up to date",
             f"That is `{command(store.location, name, document['options'])}`. Else choose another --name, or --replace "
@@ -149,19 +166,25 @@ def _existing(store: Store, name: str, options: SplitOptions) -> dict[str, Any] 
     return document
 
 
-def _moved(store: Store, name: str, table: pa.Table) -> list[str]:
-    """Say who has another part than before: nobody, unless a missing parent turned up or a table was changed."""
+def _moved(store: Store, name: str, table: pa.Table, flagged: Collection[str]) -> list[str]:
+    """Say who has another part than before: nobody, unless a flag was set or taken off, a missing parent turned up, or
+    a table was changed.
+    """
     try:
-        old = read_split(store, name).table
+        split = read_split(store, name)
     except StoreError as error:
         return [f"the split that existed was not whole, and was made again ({error.found})"]
+    old, was_flagged = split.table, set(split.document.get("flagged", ()))
     before = dict(zip(old["uid"].to_pylist(), old["partition"].to_pylist(), strict=True))
     now = zip(table["uid"].to_pylist(), table["partition"].to_pylist(), strict=True)
-    moved = [uid for uid, part in now if before.get(uid, part) != part]
+    all_moved = [uid for uid, part in now if before.get(uid, part) != part]
+    notes = flag_change_notes(all_moved, was_flagged, flagged)
+    moved = [uid for uid in all_moved if (uid in was_flagged) == (uid in flagged)]
     if not moved:
-        return []
+        return notes
     are = f"{counted(len(moved), 'trajectory')} {agreeing(len(moved), 'is', 'are')}"
     return [
+        *notes,
         f"{are} in another part than before (first {moved[0]}): what {agreeing(len(moved), 'it was', 'they were')} "
-        "derived from is now in the store, or belongs to a held-out unit; do not compare results across this change"
+        "derived from is now in the store, or belongs to a held-out unit; do not compare results across this change",
     ]

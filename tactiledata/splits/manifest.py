@@ -101,6 +101,7 @@ def split_document(report: SplitReport, table: pa.Table, sha256: str, store: Map
         "store": dict(store),
         "table": {"file": f"{report.name}.parquet", "sha256": sha256, "rows": table.num_rows},
         "counts": {part: count.document() for part, count in report.counts.items()},
+        **({"flagged": list(report.flagged)} if report.flagged else {}),
         "notes": list(report.notes),
         "provenance": provenance("split", {"store": str(store["digest"])}, report.options.document()),
     }

@@ -37,6 +37,8 @@ class SplitOptions:
     force : (lowest, highest) N, or None
         Frames whose contact force lies outside are in no partition; ``None`` takes every frame.
     seed : int
+    with_flagged : bool
+        Whether flagged trajectories are taken; they are in no partition otherwise.
     """
 
     by: tuple[str, ...] = ("trajectory", "sensor")
@@ -44,6 +46,7 @@ class SplitOptions:
     fractions: tuple[float, float, float] = (0.8, 0.1, 0.1)
     force: tuple[float, float] | None = (1.0, 13.0)
     seed: int = 0
+    with_flagged: bool = False
 
     @classmethod
     def checked(
@@ -53,6 +56,7 @@ class SplitOptions:
         fractions: Sequence[float] | str = (0.8, 0.1, 0.1),
         force: Sequence[float] | str | None = (1.0, 13.0),
         seed: int = 0,
+        with_flagged: bool = False,
     ) -> SplitOptions:
         """Return options that make sense; texts are read as the command line reads them.
 
@@ -68,6 +72,8 @@ class SplitOptions:
             Lowest and highest contact force of the frames that are taken; ``None`` takes all.
         seed : int
             Seed of the draw.
+        with_flagged : bool
+            Whether flagged trajectories are taken, too.
 
         Raises
         ------
@@ -76,7 +82,8 @@ class SplitOptions:
         """
         if isinstance(seed, bool) or not isinstance(seed, int):
             raise UsageError(f"seed is {seed!r}", "a whole number", "For example --seed 0.")
-        return cls(read_by(by), read_hold_out(hold_out), read_fractions(fractions), read_force(force), seed)
+        read = read_by(by), read_hold_out(hold_out), read_fractions(fractions), read_force(force)
+        return cls(*read, seed, with_flagged)
 
     @property
     def strata(self) -> tuple[str, ...]:
@@ -92,6 +99,8 @@ class SplitOptions:
             "fractions": list(self.fractions),
             "force": None if self.force is None else list(self.force),
             "seed": self.seed,
+            # stated only where it is so: documents from before there were flags say the same by saying nothing
+            **({"with_flagged": True} if self.with_flagged else {}),
         }
 
 

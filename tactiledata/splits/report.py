@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -60,6 +60,8 @@ class SplitReport:
         One for each combination of units that ``by`` names; empty where it names none.
     notes : tuple of str
         What a user ought to know, in words.
+    flagged : tuple of str
+        Uids of the trajectories that are left out because they are flagged.
     """
 
     name: str
@@ -68,6 +70,7 @@ class SplitReport:
     counts: Mapping[str, Count]
     strata: tuple[Stratum, ...]
     notes: tuple[str, ...]
+    flagged: tuple[str, ...] = ()
 
     def document(self) -> dict[str, Any]:
         """The report as JSON."""
@@ -80,6 +83,7 @@ class SplitReport:
                 {"units": dict(s.units), "counts": {part: count.document() for part, count in s.counts.items()}}
                 for s in self.strata
             ],
+            "flagged": list(self.flagged),
             "notes": list(self.notes),
         }
 
@@ -133,6 +137,7 @@ def notes_on(
     held_out: Mapping[str, tuple[str, ...]],
     counts: Mapping[str, Count],
     strata: tuple[Stratum, ...],
+    flagged: Collection[str] = (),
 ) -> list[str]:
     """Return what stands out in a split: empty parts, strata with holes, unnamed units, trajectories in no part.
 
@@ -148,13 +153,15 @@ def notes_on(
         Trajectories and frames of each part.
     strata : tuple of Stratum
         Counts of each stratum.
+    flagged : collection of str
+        Uids that are left out because they are flagged; `flagged.flag_notes` has the words for them.
     """
     wanted = [part for part, share in zip(SHARES, options.fractions, strict=True) if share > 0]
     # which units `auto` holds out goes by the seed, so that counts with another seed can only be told without
     is_free = options.hold_out != "auto" or not held_out
     filled = [part for part in wanted if counts[part].trajectories]
     notes = [*_empty_parts(table, options, counts, wanted, is_free), *_thin_strata(strata, filled)]
-    notes += _excluded(table)
+    notes += _excluded(table.filter(pc.invert(pc.is_in(table["uid"], value_set=pa.array(list(flagged), pa.string())))))
     for kind in ("sensor", "indenter"):
         unnamed = table[kind].to_pylist().count("")
         if unnamed:

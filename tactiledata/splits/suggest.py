@@ -11,6 +11,7 @@ from tactiledata.splits.make import TRAJECTORY_COLUMNS, split_tables
 from tactiledata.splits.options import SplitOptions
 from tactiledata.splits.report import SplitReport
 from tactiledata.splits.select import FRAME_COLUMNS
+from tactiledata.store.read.flags import flagged_trajectories
 
 if TYPE_CHECKING:
     from tactiledata.store.read.reader import Store
@@ -38,12 +39,12 @@ class Suggestion:
 def suggest_split(store: Store) -> Suggestion:
     """The split by sensor that a store gives: of frames in contact, or of all where no force tells them."""
     trajectories = store.trajectories(list(TRAJECTORY_COLUMNS))
-    frames = store.frames(list(FRAME_COLUMNS))
+    frames, flags = store.frames(list(FRAME_COLUMNS)), flagged_trajectories(store)
     typed = ["tactiledata", "split", str(store.location), "--by", "trajectory,sensor"]
     reason = ""
     for options, more in ((SplitOptions(), []), (SplitOptions.checked(force="none"), ["--force", "none"])):
         try:
-            report, _ = split_tables("default", trajectories, frames, options)
+            report, _ = split_tables("default", trajectories, frames, options, flags=flags)
         except StoreError as error:
             reason = str(error)
             continue

@@ -12,6 +12,7 @@ from tactiledata.cli.main import run
 from tactiledata.gel.mesh import structured_pad
 from tactiledata.gel.mesh.structured_pad import GridPlan
 from tactiledata.replay.opened import OpenedStore
+from tactiledata.store.change.flag import flag_trajectories
 from tactiledata.store.read.reader import Store
 
 COARSE = GridPlan(5, 6, 1.2e-3, (4.8e-3, 6.0e-3), (0.0, 0.6, 1.0))
@@ -115,3 +116,16 @@ def test_the_flex_leaves_out_what_it_cannot_press(tiny_store):
     assert flex.left_out.get(reason, 0) > 0
     assert reason not in fem.left_out
     assert len(flex.touches) + flex.left_out[reason] == len(fem.touches)
+
+
+def test_flagged_touches_take_no_part(tiny_store, tmp_path):
+    """A trajectory that is flagged as bad is counted with that reason; the others take part as before."""
+    place = tmp_path / "ds.zarr"
+    copy_tree(tiny_store, place)
+    before = read_measured(OpenedStore.planned(Store.open(place), CalibrationOptions().pads), CalibrationOptions())
+    assert "flagged as bad" not in before.left_out
+    uid = before.touches[0].uid
+    flag_trajectories(place, [uid], "slipped")
+    after = read_measured(OpenedStore.planned(Store.open(place), CalibrationOptions().pads), CalibrationOptions())
+    assert after.left_out["flagged as bad"] == 1
+    assert {touch.uid for touch in after.touches} == {touch.uid for touch in before.touches} - {uid}

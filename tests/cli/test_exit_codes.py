@@ -31,6 +31,8 @@ MISSING_PATH = {
     "run": ["nowhere.yaml"],
     "export": ["nowhere.yaml"],
     "fine-tune": [NOWHERE],
+    "view": [NOWHERE],
+    "flag": [NOWHERE, "--list"],
 }
 WITHOUT_PATHS = {"formats", "indenters", "effects"}
 WRONG_CALLS = {
@@ -51,6 +53,12 @@ WRONG_CALLS = {
     "a replay without a material": ["replay", "ds.zarr", "--friction", "0.8"],
     "a recipe that does not come with it": ["train", "nope"],
     "a scale that there is not": ["run", "nope", "--scale", "big"],
+    "a view of no such trajectory": ["view", "ds.zarr", "nope"],
+    "a view as a film": ["view", "ds.zarr", "--out", "view.mp4"],
+    "a view of no frames": ["view", "ds.zarr", "--stride", "0"],
+    "a flag without a reason": ["flag", "ds.zarr", "t00000"],
+    "a flag for no such trajectory": ["flag", "ds.zarr", "nope", "--reason", "bad"],
+    "a flag taken off that is not there": ["flag", "ds.zarr", "t00000", "--remove"],
     "a replay by a calibration that is not there": ["replay", "ds.zarr", "--calibration", "nowhere.json"],
 }
 

@@ -16,7 +16,9 @@ from tactiledata.cli.main import app
 from tactiledata.errors import StoreBusy
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.ingest.trajectories.assemble import IngestOptions
+from tactiledata.store.change.flag import flag_trajectories, remove_flags
 from tactiledata.store.check.check import check
+from tactiledata.store.read.flags import flagged_trajectories, stored_flags
 from tactiledata.store.read.reader import Store
 
 pytestmark = pytest.mark.slow
@@ -68,6 +70,25 @@ def test_an_edited_log_replaces_its_recording(tiny_folders, tmp_path):
     assert states(report) == ["replaced", "present"]
     ingest(logs, tmp_path / "right.zarr")
     assert seen(tmp_path / "ds.zarr") == seen(tmp_path / "right.zarr")
+
+
+def test_a_flag_of_what_was_replaced_is_said(tiny_folders, tmp_path):
+    """A flag on a recording that an edited one replaces holds for nothing in the store any more, and that is said with
+    its reason; a flag on one that stays holds, and is not mentioned (the negative control).
+    """
+    logs = [copy_tree(log, tmp_path / "logs" / log.name) for log in tiny_folders]
+    place = tmp_path / "ds.zarr"
+    ingest(logs, place)
+    went, stays = (Store.open(place).trajectories(["uid"])["uid"][at].as_py() for at in (0, -1))
+    flag_trajectories(place, [went], "slipped")
+    flag_trajectories(place, [stays], "torn gel")
+    (logs[0] / "log.yaml").write_text((logs[0] / "log.yaml").read_text() + "\n# edited\n")
+    report = ingest(logs, place, replace=True)
+    (said,) = [finding for finding in report.findings if finding.code == "flag-left"]
+    assert (said.severity, "slipped" in said.message) == ("warning", True)
+    assert set(flagged_trajectories(Store.open(place))) == {stays}
+    assert set(stored_flags(Store.open(place))) == {went, stays}
+    assert remove_flags(place, [went])
 
 
 @pytest.mark.parametrize("file", ["streams/digit/heap/c.0", "signals/wrench/value/c.0.0"])

@@ -17,9 +17,11 @@ from tactiledata.ingest.sources.first_program import first_program
 from tactiledata.report.page import Picture, Section, render_page
 from tactiledata.report.plots import TouchPicture, draw_touches, png_bytes
 from tactiledata.splits.again import command
+from tactiledata.splits.flagged import SHOWN, flagged_in_parts
 from tactiledata.splits.manifest import coverage_problem, read_split, read_split_document
 from tactiledata.splits.options import EXCLUDED, PARTITIONS
 from tactiledata.splits.suggest import suggest_split
+from tactiledata.store.read.flags import flag_words, flagged_trajectories
 from tactiledata.store.read.overview import overview
 from tactiledata.store.read.reader import Store
 from tactiledata.store.read.simulated import simulated_recordings, touch_mark
@@ -28,6 +30,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MAX_TOUCHES = 6
+MOST_FLAGS = 60
+"""Flagged trajectories that the page lists."""
 WORST_FIRST = {"damage": 0, "warning": 1, "info": 2}
 
 
@@ -155,6 +159,7 @@ def page(store: Store, picture: Picture | None, split: str, further: Sequence[Se
         _counts(facts),
         _signals(facts),
         _findings(store),
+        _flagged(store),
         _split(store, split),
         *further,
         _use(store, split),
@@ -222,6 +227,19 @@ def _findings(store: Store) -> Section:
     return Section("What the checks found", sentences=sentences or [("", "The checks found nothing.")])
 
 
+def _flagged(store: Store) -> Section | None:
+    flags = list(flagged_trajectories(store).values())
+    if not flags:
+        return None
+    sentences: list[tuple[str, str]] = [
+        ("", f"A person called {counted(len(flags), 'trajectory')} bad. Splits leave out what is flagged."),
+        *(("warning", flag.words) for flag in flags[:MOST_FLAGS]),
+    ]
+    if len(flags) > MOST_FLAGS:
+        sentences.append(("", f"… and {len(flags) - MOST_FLAGS} more: tactiledata flag --list"))
+    return Section("Flagged trajectories", sentences=sentences)
+
+
 def _split(store: Store, split: str) -> Section:
     document = read_split_document(store, split) if split in store.split_names() else None
     if document is None:
@@ -237,7 +255,12 @@ def _split(store: Store, split: str) -> Section:
     sentences = [
         ("", f"The split {split!r} divides whole trajectories. Held out for test_unseen: {held or 'nothing'}.")
     ]
-    if problem := coverage_problem(read_split(store, split), store.trajectories(["uid"])["uid"]):
+    loaded = read_split(store, split)
+    if flags := flagged_in_parts(store, loaded):
+        words = f"Flagged since it was drawn: {flag_words(flags, SHOWN)}. Draw it again, which leaves them out."
+        sentences.append(("warning", words))
+        code = [command(str(store.location), split, document["options"])]
+    if problem := coverage_problem(loaded, store.trajectories(["uid"])["uid"]):
         again = "Draw it again; until then it cannot be loaded."
         sentences.append(("warning", f"The split is out of date: {problem}. {again}"))
         code = [command(str(store.location), split, document["options"])]

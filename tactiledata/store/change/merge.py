@@ -15,6 +15,7 @@ from tactiledata.contract.records import Encoding, Finding, Image
 from tactiledata.contract.take import FRAME_SCHEMA, FrameFlag
 from tactiledata.contract.wording import agreeing, counted, listed
 from tactiledata.errors import StoreError, UsageError
+from tactiledata.store.change.flag import carry_flags
 from tactiledata.store.change.keep_sensors import keep_sensors
 from tactiledata.store.change.pieces import Origin, Piece, parents, pieces_of, rows_of, take_of
 from tactiledata.store.layout.lock import writing_lock
@@ -32,7 +33,8 @@ BLOCK = 64
 def merge(sources: Sequence[Store | Path | str], into: Path | str, progress: Progress | None = None) -> list[Finding]:
     """What is worth saying after stores were merged into a new or existing one, as if all had been ingested there.
 
-    Sources go in the order of the call; one that several stores hold goes in once. Killed and run again, it goes on.
+    Sources go in the order of the call; one that several stores hold goes in once. Flags of trajectories go along.
+    Killed and run again, it goes on.
     Memory: one recording's numbers at a time, images in blocks.
 
     Parameters
@@ -75,6 +77,8 @@ def _merge(origins: Sequence[Origin], target: Path, progress: Progress | None) -
             if progress is not None:
                 progress(done, len(pieces), piece.facts["key"])
 
+    # before the recordings, so that a kill leaves no flagged trajectory there without its flag
+    findings += carry_flags([origin.store for origin in origins], target)
     commit_groups(target, takes())
     _carry_sensors(origins, target)
     for store in (origin.store for origin in origins):

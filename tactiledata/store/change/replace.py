@@ -21,6 +21,7 @@ from tactiledata.store.layout.batch import Batch
 from tactiledata.store.layout.manifest import Manifest, empty_manifest, extended_digest, settings_of
 from tactiledata.store.layout.places import TABLES
 from tactiledata.store.layout.sensors_table import Facts
+from tactiledata.store.read.flags import stored_flags
 from tactiledata.store.read.reader import Store
 from tactiledata.store.write.appender import Appender, last_part
 from tactiledata.store.write.commit import changing
@@ -69,7 +70,8 @@ def replace_takes(store_path: Path | str, replacements: Replacements) -> list[Fi
     for take in takes:
         shutil.rmtree(take.folder, ignore_errors=True)
     dropped = [_mesh_finding(name) for name in origin.store.mesh_names]
-    return [*dropped, *(_picture_finding(sensor) for sensor in sorted(unfounded - set(manifest["references"])))]
+    dropped += [_picture_finding(sensor) for sensor in sorted(unfounded - set(manifest["references"]))]
+    return [*dropped, *_flag_findings(origin, Store.open(store_path))]
 
 
 def _emptied(before: Manifest) -> Manifest:
@@ -188,6 +190,23 @@ def _mesh_finding(name: str) -> Finding:
         f"the mesh {name!r} was dropped: its rows were those of the store before a recording was replaced. Replay again"
     )
     return Finding("mesh-dropped", "warning", text, stream=name)
+
+
+def _flag_findings(origin: Origin, now: Store) -> list[Finding]:
+    """Findings on flags whose trajectory was in the store before recordings were replaced, and is not any more."""
+    there = set(now.trajectories(["uid"])["uid"].to_pylist())
+    flags = stored_flags(now)
+    gone = [uid for uid in origin.trajectories["uid"].to_pylist() if uid in flags and uid not in there]
+    return [_flag_finding(flags[uid]) for uid in gone]
+
+
+def _flag_finding(flag: Mapping[str, str]) -> Finding:
+    name = f"{flag['recording']}/{flag['trajectory']}"
+    text = (
+        f"{name} was flagged ({flag['reason']}) and came with a recording that was replaced; nothing in its place is "
+        f"flagged. Look at the new one (`tactiledata view`), and flag it again where it is still bad"
+    )
+    return Finding("flag-left", "warning", text, stream=name)
 
 
 def _picture_finding(sensor: str) -> Finding:

@@ -15,6 +15,7 @@ from tactiledata.contract.take import FrameFlag
 from tactiledata.contract.wording import counted, listed
 from tactiledata.errors import SchemaError, TactileDataError
 from tactiledata.store.check.documents import document_findings
+from tactiledata.store.check.flags import flags_findings
 from tactiledata.store.check.indices import INDEX_NEEDS, index_findings
 from tactiledata.store.check.meshes import mesh_findings
 from tactiledata.store.check.payloads import payload_faults
@@ -98,6 +99,7 @@ def check(
     findings += [
         *mesh_findings(opened),
         *split_findings(opened),
+        *flags_findings(opened),
         *not_checked(broken, NEEDS if images else _without_images()),
     ]
     return [*findings, *_leftover_findings(opened)]

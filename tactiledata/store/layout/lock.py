@@ -60,10 +60,31 @@ def reading_lock(store_path: Path | str, sha256: str) -> Iterator[None]:
 
     The file goes with the next cleaning of the staging folder, when nobody stages.
     """
-    path = Path(store_path) / STAGING / f".{sha256}.part"
     try:
-        path.parent.mkdir(exist_ok=True)
-        descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+        (Path(store_path) / STAGING).mkdir(exist_ok=True)
+    except OSError as error:
+        raise unwritable(store_path, error) from error
+    with waiting_lock(store_path, f"{STAGING}/.{sha256}.part"):
+        yield
+
+
+@contextmanager
+def waiting_lock(store_path: Path | str, name: str) -> Iterator[None]:
+    """A lock held inside the ``with`` block; who comes while another holds it waits.
+
+    Parameters
+    ----------
+    store_path : Path
+    name : str
+        The lock's file in the store.
+
+    Raises
+    ------
+    StoreError
+        The store cannot be written to.
+    """
+    try:
+        descriptor = os.open(Path(store_path) / name, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
     except OSError as error:
         raise unwritable(store_path, error) from error
     try:

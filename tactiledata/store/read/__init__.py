@@ -5,6 +5,7 @@
 - ``index_tables``, ``signal_rows``, ``meshes``, ``pictures``: what `Store` hands to them, one kind of data each.
 - ``scaled_pictures``: pictures decoded at a smaller size.
 - ``sensor_facts``: facts of sensors, held against their digests.
+- ``flags``: trajectories that a person called bad. ``named_trajectories``: the trajectory that a name means.
 - ``overview``, ``simulated``, ``free_air``, ``targets``, ``seen_target``: questions that commands ask of a store.
 
 Nothing here writes.

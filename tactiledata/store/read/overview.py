@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pyarrow as pa
 
+from tactiledata.store.read.flags import flagged_trajectories
 from tactiledata.store.read.simulated import simulated_recordings
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ def overview(store: Store) -> dict[str, Any]:
         "status": dict(Counter(sources["status"].to_pylist())),
         "findings": _findings(store.findings()),
         "splits": list(store.split_names()),
+        "flagged": [flag.document() for flag in flagged_trajectories(store).values()],
         "meshes": {name: _mesh(store, name) for name in store.mesh_names},
     }
 

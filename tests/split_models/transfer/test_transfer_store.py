@@ -16,12 +16,16 @@ from split_models.transfer.transfer_store import transfer_store
 from tactiledata.contract.take import Reference
 from tactiledata.errors import StoreError, UnknownName, UsageError
 from tactiledata.sensors.backgrounds import load_background
+from tactiledata.splits.across import audit_across
 from tactiledata.splits.audit import audit, audit_tables
 from tactiledata.splits.make import make_split
 from tactiledata.splits.manifest import Split, load_split, read_split
+from tactiledata.splits.options import EXCLUDED
+from tactiledata.store.change.flag import flag_trajectories
 from tactiledata.store.change.keep_sensors import keep_sensors
 from tactiledata.store.change.merge import merge
 from tactiledata.store.check.check import check
+from tactiledata.store.read.flags import flagged_trajectories
 from tactiledata.store.read.reader import Store
 from tactiledata.store.read.targets import Target, find_target
 
@@ -187,6 +191,33 @@ def test_a_store_of_children_alone_is_drawn_as_its_parents(source, made, tmp_pat
     parts = {name: _parts(store) for name, store in copies.items()}
     for row in made.trajectories().to_pylist():
         assert parts["children"][row["uid"]] == parts["parents"][row["parent"]]
+
+
+def test_children_of_flagged_parents_are_flagged(source, target, tmp_path):
+    """A transfer carries flags along: the child of a flagged parent is out of splits, in its own store and merged; a
+    parent that is flagged later is found by the audit of both stores, and carried by running the transfer again.
+    """
+    parents, out = tmp_path / "p.zarr", tmp_path / "t1.zarr"
+    copy_tree(source.location, parents)
+    first, later = _lists(source.trajectories(), "uid")[0][:2]
+    flag_trajectories(parents, [first], "slipped")
+    report = transfer_store(Store.open(parents), target, SWAP, out)
+    assert [finding.code for finding in report.findings if finding.code.startswith("flag")] == ["flags-carried"]
+    child_of = {row["parent"]: row["uid"] for row in Store.open(out).trajectories().to_pylist()}
+    assert {uid: flag.origin for uid, flag in flagged_trajectories(Store.open(out)).items()} == {child_of[first]: first}
+    for place in (parents, out):
+        make_split(Store.open(place), fractions=(0.5, 0.25, 0.25), hold_out="none")
+    assert _parts(Store.open(out))[child_of[first]] == EXCLUDED
+    merge([parents, out], tmp_path / "both.zarr")
+    assert set(flagged_trajectories(Store.open(tmp_path / "both.zarr"))) == {first, child_of[first]}
+    # flagged after the transfer
+    assert audit_across(Store.open(out), Store.open(parents)) == []
+    flag_trajectories(parents, [later], "too late")
+    (found,) = audit_across(Store.open(out), Store.open(parents))
+    assert (found.code, found.severity, "too late" in found.message) == ("flagged-in-split", "damage", True)
+    transfer_store(Store.open(parents), target, SWAP, out)
+    assert set(flagged_trajectories(Store.open(out))) == {child_of[first], child_of[later]}
+    assert audit_across(Store.open(out), Store.open(parents)) == []
 
 
 # -- killed, run again -------------------------------------------------------------------------------------------------

@@ -1,0 +1,61 @@
+"""Which trajectory a person means by a name: its uid, its name, or its recording and its name."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from tactiledata.contract.wording import listed
+from tactiledata.errors import UnknownName, UsageError
+
+if TYPE_CHECKING:
+    from tactiledata.store.read.reader import Store
+
+SHOWN = 6
+"""Trajectories that an error names."""
+
+
+def full_names(store: Store) -> list[str]:
+    """The full name of each trajectory of a store: the key of its recording, a slash, and its own name."""
+    keys = store.sources(["key"])["key"].to_pylist()
+    rows = store.trajectories(["trajectory", "source"]).to_pylist()
+    return [f"{keys[row['source']]}/{row['trajectory']}" for row in rows]
+
+
+def named_trajectories(store: Store, names: Sequence[str]) -> list[int]:
+    """Rows of the trajectories that are named, each once, in the order of the names.
+
+    Parameters
+    ----------
+    store : Store
+    names : sequence of str
+        Uids, names, or full names such as ``D20001.mcap/t00000``.
+
+    Raises
+    ------
+    UnknownName
+        No trajectory has this name.
+    UsageError
+        Several trajectories have it.
+    """
+    full = full_names(store)
+    uids, own = (store.trajectories([column])[column].to_pylist() for column in ("uid", "trajectory"))
+    rows_of: defaultdict[str, set[int]] = defaultdict(set)
+    for kind in (uids, own, full):
+        for row, name in enumerate(kind):
+            rows_of[name].add(row)
+    rows: list[int] = []
+    for name in names:
+        if name not in rows_of:
+            raise UnknownName("trajectory", name, full)
+        if len(rows_of[name]) > 1:
+            meant = [full[row] for row in sorted(rows_of[name])]
+            meant = meant if len(set(meant)) == len(meant) else [uids[row] for row in sorted(rows_of[name])]
+            raise UsageError(
+                f"{len(meant)} trajectories are called {name!r}",
+                f"one of them: {listed(meant, SHOWN)}",
+                "Name a recording and its trajectory, or a uid.",
+            )
+        rows += rows_of[name]
+    return list(dict.fromkeys(rows))

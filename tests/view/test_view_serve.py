@@ -1,0 +1,226 @@
+"""The viewer in a browser: what is served, to whom, and that it opens and draws in a real one."""
+
+import asyncio
+import base64
+import http.client
+import re
+import shutil
+import subprocess
+import sys
+import time
+from urllib.parse import parse_qs, urlsplit
+
+import cv2
+import numpy as np
+import pytest
+from copied_trees import copy_tree
+
+pytest.importorskip("rerun")
+
+from viewed_store import attach_planted
+
+from tactiledata.errors import UsageError
+from tactiledata.store.read.reader import Store
+from tactiledata.view.options import ViewOptions
+from tactiledata.view.recording import write_view
+from tactiledata.view.serve import served
+
+CONTENT = bytes(range(256)) * 5000
+
+
+def ask(address, path, **headers):
+    """Status, headers and content of an answer."""
+    connection = http.client.HTTPConnection(urlsplit(address).netloc, timeout=60)
+    connection.request("GET", path, headers=headers)
+    answer = connection.getresponse()
+    content = answer.read()
+    connection.close()
+    return answer.status, answer.headers, content
+
+
+@pytest.fixture(scope="module")
+def address(tmp_path_factory):
+    """The address of a served file called "a view.rrd"."""
+    path = tmp_path_factory.mktemp("served") / "a view.rrd"
+    path.write_bytes(CONTENT)
+    (path.parent / "other.rrd").write_bytes(b"secret")
+    with served(path, 0) as place:
+        yield place
+
+
+def test_the_file_is_served_whole_at_the_address_that_the_page_is_given(address):
+    """The page's address names the file; there it is, byte for byte."""
+    place = urlsplit(parse_qs(urlsplit(address).query)["url"][0])
+    assert place.netloc == urlsplit(address).netloc
+    status, _, content = ask(address, place.path)
+    assert (status, content) == (200, CONTENT)
+
+
+def test_the_page_may_reach_no_other_address(address):
+    """Rerun's page comes with a policy that lets it connect to its own address only."""
+    status, headers, content = ask(address, "/")
+    assert status == 200
+    assert b"re_viewer" in content
+    connect = next(part for part in headers["Content-Security-Policy"].split(";") if "connect-src" in part)
+    assert set(connect.split()[1:]) == {"'self'", "data:", "blob:"}
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "/recording/other.rrd",
+        "/recording/../other.rrd",
+        "/recording/..%2fother.rrd",
+        "/recording/",
+        "/recording//etc/passwd",
+    ],
+)
+def test_nothing_else_is_served(address, path):
+    """No other file beside the one that was named is given, however the path is written."""
+    status, _, content = ask(address, path)
+    assert status == 404
+    assert b"secret" not in content
+
+
+def test_a_name_that_leads_here_from_elsewhere_is_refused(address):
+    """A page of another site whose name resolves to this address is answered nothing (DNS rebinding)."""
+    path = urlsplit(parse_qs(urlsplit(address).query)["url"][0]).path
+    port = urlsplit(address).port
+    assert ask(address, path, Host=f"evil.example:{port}")[0] == 403
+    assert ask(address, path, Host=f"localhost:{port}")[0] == 200
+
+
+def test_it_listens_on_the_loopback_address_alone(address):
+    """The file is not offered to the network: the server's socket is bound to 127.0.0.1."""
+    psutil = pytest.importorskip("psutil")
+    port = urlsplit(address).port
+    bound = {c.laddr.ip for c in psutil.Process().net_connections() if c.laddr and c.laddr.port == port}
+    assert bound == {"127.0.0.1"}
+
+
+def test_a_taken_port_is_wrong_usage(address, tmp_path):
+    """A port that another server has is named, and what to do."""
+    (tmp_path / "b.rrd").write_bytes(b"")
+    with pytest.raises(UsageError, match="--port"), served(tmp_path / "b.rrd", urlsplit(address).port):
+        pass
+
+
+BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+OPTIONS = ("--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+           "--ignore-gpu-blocklist", "--remote-debugging-port=0", "--window-size=1600,1000")  # fmt: skip
+PATIENCE = 240.0
+"""Seconds in which the page must have drawn: without a graphics card it is slow."""
+MEASURED_BLUE = (44, 90, 160)
+"""Colour of z among measured dots and simulated lines."""
+HELD_BACK = re.compile(r"Content Security Policy")
+"""Errors of the page's own attempts to reach its makers, which the policy holds back, and what follows from them."""
+
+
+async def drawn_in_browser(address, folder, is_drawn):
+    """A picture (H, W, 3) of a page once it is drawn, and the errors of its console."""
+    aiohttp = pytest.importorskip("aiohttp")
+    browser = subprocess.Popen(
+        [BROWSER, *OPTIONS, f"--user-data-dir={folder}", "about:blank"],
+        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    try:
+        for line in browser.stderr:
+            if found := re.search(r"ws://[\d.]+:(\d+)/", line):
+                break
+        errors, number, shots = [], 0, {}
+        async with aiohttp.ClientSession() as session:
+            async with session.get(f"http://127.0.0.1:{found[1]}/json") as answer:
+                (tab,) = [one for one in await answer.json() if one["type"] == "page"]
+            async with session.ws_connect(tab["webSocketDebuggerUrl"], max_msg_size=0) as socket:
+
+                async def send(method, **parameters):
+                    nonlocal number
+                    number += 1
+                    await socket.send_json({"id": number, "method": method, "params": parameters})
+                    return number
+
+                for domain in ("Runtime", "Log", "Page"):
+                    await send(f"{domain}.enable")
+                await send("Page.navigate", url=address)
+                began = asked = time.monotonic()
+                while time.monotonic() < began + PATIENCE:
+                    try:
+                        message = await asyncio.wait_for(socket.receive_json(), 1)
+                    except TimeoutError:
+                        message = {}
+                    errors += error_of(message)
+                    if message.get("id") in shots:
+                        content = np.frombuffer(base64.b64decode(message["result"]["data"]), np.uint8)
+                        picture = cv2.imdecode(content, cv2.IMREAD_COLOR_RGB)
+                        if is_drawn(picture):
+                            return picture, errors
+                    if time.monotonic() > asked + 8:
+                        asked = time.monotonic()
+                        shots[await send("Page.captureScreenshot", format="png")] = True
+    finally:
+        browser.terminate()
+        browser.communicate()
+    pytest.fail(f"the page was not drawn in {PATIENCE} s; errors: {errors}")
+
+
+def error_of(message):
+    """The errors in a message of the browser, in words."""
+    method, told = message.get("method"), message.get("params", {})
+    if method == "Runtime.consoleAPICalled" and told["type"] in ("error", "assert"):
+        return [" ".join(str(one.get("value", one.get("description", ""))) for one in told["args"])]
+    if method == "Log.entryAdded" and told["entry"]["level"] == "error":
+        return [told["entry"]["text"]]
+    return [str(told)] if method == "Runtime.exceptionThrown" else []
+
+
+def share_near(picture, colour, reach=12):
+    return float((np.abs(picture.astype(int) - colour).max(axis=2) <= reach).mean())
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(BROWSER is None, reason="no browser")
+def test_a_real_browser_draws_it_without_an_error(tiny_store, tmp_path):
+    """A headless browser loads page and file, draws picture, grey difference and dots of measured force, and reports no
+    error but those of connections to the page's makers that the policy holds back.
+    """
+    copy_tree(tiny_store, tmp_path / "ds.zarr")
+    attach_planted(tmp_path / "ds.zarr")
+    store = Store.open(tmp_path / "ds.zarr")
+    write_view(store, tmp_path / "view.rrd", ViewOptions(names=("t00000",)))
+    background = store.reference("D20001").image.reshape(-1, 3)
+    middle = tuple(np.median(background, axis=0).astype(int))
+
+    def is_drawn(picture):
+        grey = share_near(picture, (128, 128, 128), 6)
+        return grey > 0.03 and share_near(picture, MEASURED_BLUE) > 2e-4 and share_near(picture, middle, 25) > 0.02
+
+    with served(tmp_path / "view.rrd", 0) as address:
+        picture, errors = asyncio.run(drawn_in_browser(address, tmp_path / "profile", is_drawn))
+    held_back = [error for error in errors if HELD_BACK.search(error)]
+    failed = [error for error in errors if error.startswith("TypeError: Failed to fetch")]
+    assert len(failed) <= len(held_back)
+    assert not set(errors) - set(held_back) - set(failed)
+    # a control: what the page shows while it loads is not taken for drawn
+    assert not is_drawn(np.full_like(picture, 255))
+
+
+@pytest.mark.slow
+def test_the_command_serves_until_it_is_interrupted(tiny_store, tmp_path):
+    """`view --web` says the address, serves there, and ends with 0 at Ctrl-C."""
+    import signal
+
+    command = [sys.executable, "-c", "from tactiledata.cli.main import run; run()", "view", str(tiny_store)]
+    arguments = ["t00000", "--web", "--port", "0", "--out", str(tmp_path / "view.rrd"), "--pictures", "2"]
+    running = subprocess.Popen([*command, *arguments], stdout=subprocess.PIPE, text=True)
+    try:
+        for line in running.stdout:
+            if line.startswith("look: "):
+                break
+        address = line.split()[1]
+        path = urlsplit(parse_qs(urlsplit(address).query)["url"][0]).path
+        assert ask(address, path)[2] == (tmp_path / "view.rrd").read_bytes()
+        running.send_signal(signal.SIGINT)
+        assert running.wait(30) == 0
+    finally:
+        running.kill()
+        running.communicate()
