@@ -18,6 +18,7 @@ def _training(
         "weight_decay": weight_decay,
         "patience": patience,
         "save_seconds": 120.0,
+        "accumulate": 1,
     }
 
 
