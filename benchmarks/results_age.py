@@ -51,13 +51,17 @@ def main() -> None:
     if given.stamp:
         sections = [stamped(one, given.commit) if one["heading"] == given.stamp else one for one in sections]
         if given.stamp not in [one["heading"] for one in sections]:
-            raise SystemExit(f"no section {given.stamp!r} in {LIST.relative_to(ROOT)}: add it with `depends` and `command`")
+            raise SystemExit(
+                f"no section {given.stamp!r} in {LIST.relative_to(ROOT)}: add it with `depends` and `command`"
+            )
         write_atomic(LIST, (HEAD + yaml.safe_dump({"sections": sections}, sort_keys=False, width=120)).encode())
     if given.mark or given.stamp:
         write_atomic(PAGE, marked(PAGE.read_text(encoding="utf-8"), marks(sections)).encode())
     for one in sections:
         changed = changed_paths(one)
-        print(f"{'older' if changed else 'as the code'}: {one['heading']} ({one['commit']}) {', '.join(changed)}".rstrip())
+        print(
+            f"{'older' if changed else 'as the code'}: {one['heading']} ({one['commit']}) {', '.join(changed)}".rstrip()
+        )
 
 
 def listed() -> list[Section]:

@@ -1,6 +1,6 @@
 """What transferred pictures still tell: place, depth and force, read by a network that learned on the target or the source.
 
-    python benchmarks/transfer_downstream.py [--touches 160] [--frames 3] [--seed 303]
+    python benchmarks/transfer_downstream.py [--touches 200] [--frames 3] [--seed 303]
         [--backgrounds digit-bg-1,digit-bg-16] [--json docs/results/transfer-downstream.json]
 
 The rig makes the same touches on two units, which neither the bundled model nor the rule of `relit` has seen. A quarter
@@ -9,9 +9,9 @@ of the touches is tested on. Two uses of a transfer are tried, each from either 
 - *reads*: a network that learned on the target's own pictures reads transferred ones of touches that it never saw.
 - *teaches*: a network that learned on transferred pictures reads the target's own, of touches that it never saw.
 
-Inputs are pictures as they are, or their change against the sensor's picture without contact. The row "target's own" has
-no transfer in it; a swap of the backgrounds and no transfer at all are equal in their change, but for the ends of the
-grey levels. Values are mean absolute errors, with the share of the range of the touches, and R²; intervals and the
+The row "target's own" has no transfer in it. A network that is given the change against the sensor's picture without
+contact, instead of the picture, reads without a transfer what others read after a swap of the backgrounds: the changes
+are equal, but for the ends of the grey levels. Values are mean absolute errors, with the share of the range of the touches, and R²; intervals and the
 paired differences against the swap draw touches.
 """
 
@@ -50,6 +50,8 @@ TESTED = 0.25
 COARSE = GridPlan(5, 6, 1.2e-3, (4.8e-3, 6.0e-3), (0.0, 0.6, 1.0))
 
 Rows = list[dict[str, Any]]
+Answer = tuple[np.ndarray, np.ndarray, np.ndarray]
+"""Values that a network read (n, 6), true ones, and the touch of each (n,)."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +66,7 @@ class Unit:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--touches", type=int, default=160)
+    parser.add_argument("--touches", type=int, default=200)
     parser.add_argument("--frames", type=int, default=3, help="largest number of frames of each touch")
     parser.add_argument("--seed", type=int, default=303)
     parser.add_argument("--backgrounds", default="digit-bg-1,digit-bg-16", help="two: a unit for each")
@@ -80,12 +82,15 @@ def main() -> None:
     rows = rows_of(errors)
     first = next(iter(units.values()))
     tested = len(tested_touches(first.touches, given.seed))
-    counts = {"touches": len(set(first.touches)), "tested": tested, "frames": sum(len(u.values) for u in units.values())}
+    counts = {
+        "touches": len(set(first.touches)),
+        "tested": tested,
+        "frames": sum(len(u.values) for u in units.values()),
+    }
     print(f"{counts['touches']} touches on {len(units)} units, {counts['frames']} frames; {tested} touches tested on")
     for use in USES:
-        for given_input in ("picture", "change"):
-            print(f"\n{use}, by the {given_input}\n")
-            print(table([row for row in rows if (row["use"], row["input"]) == (use, given_input)]))
+        print(f"\n{use}\n")
+        print(table([row for row in rows if row["use"] == use]))
     if given.json:
         facts = {"seed": given.seed, "backgrounds": backgrounds, **counts, "provenance": provenance("benchmark", {})}
         write_json_atomic(given.json, {"format": "tactiledata-figures/1", **facts, "rows": rows})
@@ -136,11 +141,9 @@ def tested_touches(touches: np.ndarray, seed: int) -> set[str]:
     return set(np.random.default_rng(seed).permutation(names)[: max(int(TESTED * len(names)), 1)])
 
 
-def errors_of(
-    units: dict[str, Unit], methods: dict[str, Any], seed: int
-) -> dict[tuple[str, str, str], list[tuple[np.ndarray, np.ndarray, np.ndarray]]]:
-    """Predicted and true values with their touches, one entry for each direction, by use, input and method."""
-    found: dict[tuple[str, str, str], list[tuple[np.ndarray, np.ndarray, np.ndarray]]] = {}
+def errors_of(units: dict[str, Unit], methods: dict[str, Any], seed: int) -> dict[tuple[str, str], list[Answer]]:
+    """Predicted and true values with their touches, one entry for each direction, by use and method."""
+    found: dict[tuple[str, str], list[Answer]] = {}
     tested = tested_touches(next(iter(units.values())).touches, seed)
     for source_name, source in units.items():
         for target_name, target in units.items():
@@ -148,36 +151,30 @@ def errors_of(
                 continue
             new = np.array([touch in tested for touch in source.touches])
             known = np.array([touch not in tested for touch in target.touches])
-            moved = {AS_IT_IS: (source.pictures, source.background)}
+            moved = {AS_IT_IS: source.pictures}
             for name, method in methods.items():
-                moved[name] = (method.transfer(source.pictures, source.background, target.background), target.background)
-            for given, small in (("picture", pictures_alone), ("change", small_pictures)):
-                own = small(target.pictures, target.background)
-                head = learned_head(own[known], target.values[known], seed)
-                answer = (head.read(own[~known]), target.values[~known], target.touches[~known])
-                for use in USES:
-                    found.setdefault((use, given, OWN), []).append(answer)
-                for name, (pictures, background) in moved.items():
-                    ours = small(pictures, background)
-                    answer = (head.read(ours[new]), source.values[new], source.touches[new])
-                    found.setdefault(("reads", given, name), []).append(answer)
-                    taught = learned_head(ours[~new], source.values[~new], seed)
-                    answer = (taught.read(own[~known]), target.values[~known], target.touches[~known])
-                    found.setdefault(("teaches", given, name), []).append(answer)
+                moved[name] = method.transfer(source.pictures, source.background, target.background)
+            own = small_pictures(target.pictures)
+            head = learned_head(own[known], target.values[known], seed)
+            answer = (head.read(own[~known]), target.values[~known], target.touches[~known])
+            for use in USES:
+                found.setdefault((use, OWN), []).append(answer)
+            for name, pictures in moved.items():
+                ours = small_pictures(pictures)
+                answer = (head.read(ours[new]), source.values[new], source.touches[new])
+                found.setdefault(("reads", name), []).append(answer)
+                taught = learned_head(ours[~new], source.values[~new], seed)
+                answer = (taught.read(own[~known]), target.values[~known], target.touches[~known])
+                found.setdefault(("teaches", name), []).append(answer)
     return found
 
 
-def pictures_alone(pictures: np.ndarray, background: np.ndarray) -> np.ndarray:
-    """Small pictures without their background."""
-    return small_pictures(pictures)
-
-
-def rows_of(found: dict[tuple[str, str, str], list[tuple[np.ndarray, np.ndarray, np.ndarray]]]) -> Rows:
-    """A row for each use, input and method, with the scores of each reading."""
+def rows_of(found: dict[tuple[str, str], list[Answer]]) -> Rows:
+    """A row for each use and method, with the scores of each reading."""
     joined = {key: tuple(np.concatenate(part) for part in zip(*each, strict=True)) for key, each in found.items()}
     rows: Rows = []
-    for (use, given, name), (predicted, true, touches) in joined.items():
-        swapped, _, _ = joined[use, given, SWAP]
+    for (use, name), (predicted, true, touches) in joined.items():
+        swapped, _, _ = joined[use, SWAP]
         scores = {}
         for column, (reading, unit) in enumerate(READINGS.items()):
             error = np.abs(predicted[:, column] - true[:, column])
@@ -186,12 +183,14 @@ def rows_of(found: dict[tuple[str, str, str], list[tuple[np.ndarray, np.ndarray,
                 "unit": unit,
                 "mae": interval(bootstrap(error, touches)),
                 "percent_of_range": 100.0 * float(error.mean()) / span,
-                "r2": interval(bootstrap(np.stack([predicted[:, column], true[:, column]], axis=1), touches, statistic=r2)),
+                "r2": interval(
+                    bootstrap(np.stack([predicted[:, column], true[:, column]], axis=1), touches, statistic=r2)
+                ),
             }
             if name not in (OWN, SWAP):
                 other = np.abs(swapped[:, column] - true[:, column])
                 scores[reading]["mae_less_swap"] = interval(bootstrap(error - other, touches))
-        rows.append({"use": use, "input": given, "method": name, "scores": scores})
+        rows.append({"use": use, "method": name, "scores": scores})
     return rows
 
 

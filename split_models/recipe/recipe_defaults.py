@@ -110,6 +110,8 @@ DEFAULTS: dict[str, Any] = {
         "methods": None,
         "parts": ["test", "test_unseen"],
         "scores": None,
+        "titles": {},
+        "against": None,
         "rounds": 1000,
         "cycles": 40,
         "frames": 100,

@@ -31,12 +31,10 @@ EPOCHS, BATCH, RATE, DECAY = 50, 32, 2e-3, 1e-2
 """Epochs, pictures in a batch, largest learning rate, and decay of the weights."""
 
 
-def small_pictures(pictures: PictureArray, background: PictureArray | None = None) -> NDArray[np.float32]:
-    """Return pictures (n, 40, 30, 3), grey levels, or their change against a background (h, w, 3) where one is given."""
-    base = 0.0 if background is None else background.astype(np.float32)
-    size = SIZE[::-1]
-    scaled = [cv2.resize(picture.astype(np.float32) - base, size, interpolation=cv2.INTER_AREA) for picture in pictures]
-    return np.stack(scaled).astype(np.float32)
+def small_pictures(pictures: PictureArray) -> NDArray[np.float32]:
+    """Return pictures (n, 40, 30, 3), grey levels, of pictures (n, h, w, 3) of any size, scaled by area."""
+    scaled = [cv2.resize(picture.astype(np.float32), SIZE[::-1], interpolation=cv2.INTER_AREA) for picture in pictures]
+    return np.stack(scaled)
 
 
 class TouchHead:

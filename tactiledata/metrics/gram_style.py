@@ -117,7 +117,12 @@ def random_features() -> nn.Sequential:
 
 
 def gram_style(
-    pictures: Any, others: Any, mask: Any = None, others_mask: Any = None, weights: Path | None = None, device: str = "cpu"
+    pictures: Any,
+    others: Any,
+    mask: Any = None,
+    others_mask: Any = None,
+    weights: Path | None = None,
+    device: str = "cpu",
 ) -> Values:
     """Style distance (n,) of each picture to the mean Gram matrices of another set, by VGG-19; 0 is alike.
 

@@ -22,9 +22,7 @@ TSNE = "tsne"
 """Name of the picture of latent vectors; the scores that go with it are those of the metric ``embedding``."""
 
 
-def chosen_scores(
-    names: Sequence[str], weights: Path | None = None, device: str = "cpu"
-) -> list[tuple[str, Score]]:
+def chosen_scores(names: Sequence[str], weights: Path | None = None, device: str = "cpu") -> list[tuple[str, Score]]:
     """Return the named scores of sets, each with the name of its metric.
 
     A name is that of a score, or of a metric for all its scores. ``gram_style`` is the distance by the official weights

@@ -55,7 +55,10 @@ def test_words_do_not_age_a_program(age, tmp_path, monkeypatch):
         return age.digest_now("a.py")
 
     plain = digest("X = 1\n\ndef f(a):\n    return a + 1\n")
-    assert digest('"""Words."""\nX = 1  # why\n"""What X is."""\n\ndef f(a):\n    """Words."""\n    return a + 1\n') == plain
+    assert (
+        digest('"""Words."""\nX = 1  # why\n"""What X is."""\n\ndef f(a):\n    """Words."""\n    return a + 1\n')
+        == plain
+    )
     assert digest("X = 1\n\ndef f(a):\n    return a + 2\n") != plain
     assert digest("X = 2\n\ndef f(a):\n    return a + 1\n") != plain
     (tmp_path / "b.yaml").write_text("a: 1\n")
@@ -85,7 +88,11 @@ def test_marks_come_and_go(age):
     assert age.changed_paths(old) == [path]
     assert age.changed_paths(new) == []
     marked = age.marked(text, age.marks([old, new]))
-    assert marked.splitlines()[2:5] == ["## one", "", "*Older than the code: printed at abcdef01 or before, and changed since: `benchmarks/wilson.py`.*"]
+    assert marked.splitlines()[2:5] == [
+        "## one",
+        "",
+        "*Older than the code: printed at abcdef01 or before, and changed since: `benchmarks/wilson.py`.*",
+    ]
     assert marked.count("Older than the code: printed") == 1
     assert age.marked(marked, age.marks([old, new])) == marked
     assert age.marked(marked, {}) == text

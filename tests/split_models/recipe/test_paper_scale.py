@@ -47,7 +47,11 @@ def test_every_network_takes_two_steps_at_paper_scale(paper_store, tmp_path, mon
     batch = -(-counted // STEPS)
     training = {"epochs": 1, "batch_size": batch, "patience": 0, "accumulate": 2}
     models = {
-        name: {**section, "training": {**section["training"], **training}, **({"background_copies": 0} if name == "image_vae" else {})}
+        name: {
+            **section,
+            "training": {**section["training"], **training},
+            **({"background_copies": 0} if name == "image_vae" else {}),
+        }
         for name, section in recipe.models.items()
         if isinstance(section, dict)
     }
