@@ -34,8 +34,8 @@ ROOT = Path(__file__).resolve().parents[1]
 PAGE, LIST = ROOT / "docs" / "results.md", ROOT / "docs" / "results.yaml"
 MARK = re.compile(r"^\*Older than the code: .*\*$")
 DIGITS = 12
-HEAD = """# Sections of results.md: the command that prints them, the commit at which it did, and digests of what their figures
-# depend on at that commit. Written by `python benchmarks/results_age.py --stamp HEADING`; `depends` and `command` are by hand.
+HEAD = """# Sections of results.md: the command that prints them, the commit at which it did, and digests of what their
+# figures depend on. `python benchmarks/results_age.py --stamp HEADING` writes it; `command` and `depends` are by hand.
 """
 
 Section = dict[str, Any]

@@ -1,4 +1,4 @@
-"""What transferred pictures still tell: place, depth and force, read by a network that learned on the target or the source.
+"""What transferred pictures still tell: place, depth and force, read by networks of the target and of the source.
 
     python benchmarks/transfer_downstream.py [--touches 200] [--frames 3] [--seed 303]
         [--backgrounds digit-bg-1,digit-bg-16] [--json docs/results/transfer-downstream.json]
@@ -11,8 +11,8 @@ of the touches is tested on. Two uses of a transfer are tried, each from either 
 
 The row "target's own" has no transfer in it. A network that is given the change against the sensor's picture without
 contact, instead of the picture, reads without a transfer what others read after a swap of the backgrounds: the changes
-are equal, but for the ends of the grey levels. Values are mean absolute errors, with the share of the range of the touches, and R²; intervals and the
-paired differences against the swap draw touches.
+are equal, but for the ends of the grey levels. Values are mean absolute errors, with the share of the range of the
+touches, and R²; intervals and the paired differences against the swap draw touches.
 """
 
 from __future__ import annotations
@@ -27,7 +27,6 @@ import numpy as np
 
 from split_models.tables.touch_head import READINGS, explained, learned_head, small_pictures
 from split_models.transfer.methods import BUNDLED_MODEL, LATENT, transfer_method
-from split_models.transfer.pixels import PIXEL_TRANSFERS
 from tactiledata.contract.atomic import write_json_atomic
 from tactiledata.contract.provenance import provenance
 from tactiledata.gel.mesh.structured_pad import GridPlan, structured_pad

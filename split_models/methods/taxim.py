@@ -1,4 +1,4 @@
-"""Taxim as a baseline: with its published DIGIT calibration, through a registered camera, and calibrated on the unit."""
+"""Taxim as a baseline: as published, through a registered camera, and calibrated on the unit."""
 
 from __future__ import annotations
 

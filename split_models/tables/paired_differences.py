@@ -17,7 +17,7 @@ DIFFERENCE = "less"
 def differences(values: Mapping[str, Values], reference: str) -> dict[str, Values]:
     """Scores of each method less those of a reference on the same frames, by method.
 
-    Frames on which either has no finite value have none: two pictures that are equal to the truth have an infinite PSNR.
+    A frame on which either has no finite value has none: a picture that is equal to the truth has an infinite PSNR.
 
     Parameters
     ----------

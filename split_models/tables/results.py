@@ -92,7 +92,7 @@ def markdown(document: Mapping[str, Any]) -> str:
         lines += ["", f"## {part}: {_size(rows)}", "", *table_lines(rows, titles)]
         published = document["published"].get(part)
         if published:
-            lines += ["", "The paper's own figures, of another data set:", "", *_published_lines(published, titles)]
+            lines += ["", "The paper's own figures, of another data set:", "", *_published_lines(published)]
     return "\n".join([*lines, ""])
 
 
@@ -153,14 +153,14 @@ def _size(rows: Sequence[Mapping[str, Any]]) -> str:
     return f"{score['frames']} frames{trajectories}"
 
 
-def _published_lines(published: Mapping[str, Mapping[str, Any]], titles: Mapping[str, str]) -> list[str]:
-    """Lines of a Markdown table with the paper's own figures."""
+def _published_lines(published: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """Lines of a Markdown table with the paper's own figures, under the paper's names."""
     names = list(dict.fromkeys(name for row in published.values() for name in row))
     return [
         f"| | {' | '.join(names)} |",
         f"|---|{'---|' * len(names)}",
         *(
-            f"| {title_of(method, titles)} | {' | '.join(str(row.get(name, '–')) for name in names)} |"
+            f"| {title_of(method)} | {' | '.join(str(row.get(name, '–')) for name in names)} |"
             for method, row in published.items()
         ),
     ]

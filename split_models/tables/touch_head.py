@@ -16,7 +16,7 @@ from tactiledata.arrays import Array, PictureArray
 from tactiledata.errors import UsageError
 
 READINGS = {"x": "mm", "y": "mm", "depth": "mm", "fx": "N", "fy": "N", "fz": "N"}
-"""What is read from a picture, with its unit: place and depth of the indenter's tip, and the contact force, gel frame."""
+"""What is read, with units: place and depth of the indenter's tip, and the contact force, in the gel frame."""
 SIZE = (40, 30)
 """Rows and columns to which pictures are scaled by area."""
 LEVELS = 40.0

@@ -1,4 +1,4 @@
-"""Every network at the paper's sizes learns for two steps on a processor: what a GPU would do for days is at least run."""
+"""Every network at the paper's sizes learns for two steps on a processor."""
 
 from dataclasses import replace
 
@@ -41,7 +41,7 @@ def paper_store(tmp_path_factory):
 
 @pytest.mark.slow
 def test_every_network_takes_two_steps_at_paper_scale(paper_store, tmp_path, monkeypatch):
-    """Sizes, losses and pictures are those of ``--scale paper``; batches, in two pieces each, are of what little there is."""
+    """Sizes and losses are those of ``--scale paper``; the batches of what little there is come in two pieces each."""
     recipe = load_recipe("split_backbone", "paper")
     counted = len(_frames(recipe, paper_store, tmp_path))
     batch = -(-counted // STEPS)
