@@ -53,7 +53,7 @@ def result_document(
 
 
 def mesh_facts(data: Mapping[str, Any]) -> str:
-    """Which meshes a recipe's world has, in words; empty for a store of one's own, whose replay has its own page.
+    """Resolution, nodes, strains and material of a recipe's meshes in words; empty for a store that it did not make.
 
     The paper gives Taxim and FOTS the high resolution. Whether a table does is to be read from it.
     """
