@@ -143,7 +143,7 @@ def opened(home: Path, touches: int, epochs: int) -> BundledRun:
         "data": {
             "world": str(home / "world.yaml"),
             "image_size": [160, 120],
-            "replay": {"fidelity": "linear", "keep": "surface"},
+            "replay": {"fidelity": "linear", "keep": "surface", "material": "planted"},
             "split": {
                 "by": ["trajectory", "sensor"], "hold_out": {"sensor": list(UNSEEN)}, "fractions": [0.85, 0.15, 0.0],
                 "force": list(FORCE),

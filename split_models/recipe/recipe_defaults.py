@@ -36,6 +36,7 @@ DEFAULTS: dict[str, Any] = {
             "resolution": "low",
             "fidelity": "finite-strain",
             "keep": "all",
+            "material": "calibrated",
             "youngs_modulus": None,
             "poisson_ratio": None,
             "friction": None,

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from split_models.methods.methods import title_of
+from split_models.recipe.prepare import MATERIAL, is_calibrated
 from split_models.recipe.recipe import Recipe
 from split_models.tables.evaluate import MASKED
 from tactiledata.contract.atomic import write_atomic, write_json_atomic
@@ -60,11 +61,12 @@ def mesh_facts(data: Mapping[str, Any]) -> str:
     if not data["world"]:
         return ""
     section = data["replay"]
-    names = ("youngs_modulus", "poisson_ratio", "friction")
-    stated = [f"{name.replace('_', ' ')} {section[name]:g}" for name in names if section[name] is not None]
     nodes = "surface nodes" if section["keep"] == "surface" else "all nodes"
-    material = "the material with which the world was recorded" if not stated else ", ".join(stated)
-    return f"{section['resolution']} resolution, {nodes}, {section['fidelity']}, {material}"
+    stated = [f"{name.replace('_', ' ')} {section[name]:g}" for name in MATERIAL if section[name] is not None]
+    if len(stated) < len(MATERIAL):
+        planted = "the material with which the world was recorded, which nobody knows of real touches"
+        stated.append("a material calibrated on the recorded forces" if is_calibrated(section) else planted)
+    return f"{section['resolution']} resolution, {nodes}, {section['fidelity']}, {', '.join(stated)}"
 
 
 def write_result(folder: Path, document: Mapping[str, Any]) -> dict[str, Path]:

@@ -3,6 +3,7 @@
 import json
 
 from split_models.recipe.recipe import load_recipe
+from split_models.recipe.recipe_defaults import DEFAULTS
 from split_models.tables.results import cell, markdown, mesh_facts, result_document, write_result
 
 
@@ -51,15 +52,21 @@ def test_titles_of_a_recipe_go_before_the_usual_ones():
     assert "| SPLIT | 2 |" in text
     assert "| SPLIT with our image VAE | 1 |" in text
     assert "| SPLIT | 5.911 |" in text
-    assert "Meshes, of all rows: low resolution, surface nodes, finite-strain, the material with which" in text
+    assert "Meshes, of all rows: low resolution, surface nodes, finite-strain, a material calibrated on" in text
     paper = load_recipe("table_digit_images", "paper")
     assert "plain:split" not in paper.rows["methods"]
     assert "| SPLIT | 1 |" in markdown(result_document(paper, rows[1:], "d" * 64))
 
 
 def test_a_store_of_ones_own_has_its_meshes_page():
-    """Of a store that a recipe did not make, nothing is said about its meshes."""
+    """Of a store that a recipe did not make, nothing is said about its meshes; a planted material is called that."""
     assert mesh_facts({"world": None, "store": "ds.zarr"}) == ""
+    replay = {**DEFAULTS["data"]["replay"], "material": "planted"}
+    assert "with which the world was recorded" in mesh_facts({"world": "tiny", "replay": replay})
+    stated = {**replay, "youngs_modulus": 9e5, "poisson_ratio": 0.48, "friction": 0.7}
+    assert mesh_facts({"world": "tiny", "replay": stated}).endswith(
+        "youngs modulus 900000, poisson ratio 0.48, friction 0.7"
+    )
 
 
 def test_seeds_are_counted_by_row():
