@@ -1,12 +1,13 @@
 """Transfers against paired truth: the rig makes the same touches on several units, so that each has its right answer.
 
     python benchmarks/transfer_paired.py [--touches 12] [--model CHECKPOINT] [--style] [--seed 5]
-        [--frames 3] [--backgrounds digit-bg-1,digit-bg-16]
+        [--frames 3] [--backgrounds digit-bg-1,digit-bg-16] [--json docs/results/transfer-paired.json]
 
 Every touch goes from every unit to every other one. Scores look at the whole frame and at where the true picture shows
 the touch; geometry is the overlap of that region with where the transferred picture differs from the target's
 background, and from what the method makes of no touch. Intervals draw touches. A second table has medians over frames
 with the 10 % and 90 % quantiles, and how much of the recorded touch is kept; its last row is the true picture itself.
+Further tables say by how much methods differ from the swap and from the ratio on the same frames.
 
 The units' optics follow from the seed and their names. With `--backgrounds` the units are others, named U1, U2, ….
 """
@@ -25,15 +26,18 @@ import numpy as np
 from split_models.tables.paired_truth import kept_values, paired_values
 from split_models.transfer.methods import LATENT, transfer_method
 from split_models.transfer.pixels import PIXEL_TRANSFERS
+from tactiledata.contract.atomic import write_json_atomic
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.metrics import METRICS
-from tactiledata.metrics.bootstrap import bootstrap
+from tactiledata.metrics.bootstrap import Interval, bootstrap
 from tactiledata.rig.record import record
 from tactiledata.rig.scenario.scenario import load_scenario
 from tactiledata.store.read.reader import Store
 
 QUANTILES = ("ssim_contact", "l1_contact", "strength_kept", "change_correlation", "mask_overlap")
 TRUTH = "true picture"
+RIVALS = ("background_swap", "background_ratio")
+COMPARED = ("ssim_contact", "l1_contact", "ssim", "l1")
 UNITS = {"D1": "digit-bg-0", "D2": "digit-bg-4", "D3": "digit-bg-6", "D4": "digit-bg-9"}
 WORLD = {
     "format": "tactiledata-scenario/1",
@@ -56,6 +60,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=WORLD["seed"])
     parser.add_argument("--frames", type=int, help="largest number of frames of each touch [default: all]")
     parser.add_argument("--backgrounds", help="comma-separated: another unit for each")
+    parser.add_argument("--json", type=Path, help="file that takes the tables as a document")
     given = parser.parse_args()
     if given.backgrounds:
         UNITS.clear()
@@ -90,15 +95,41 @@ def main() -> None:
                     for score, values in kept_values(pictures, goal, images, base).items():
                         found.setdefault((name, score), []).append(values)
             touches += [touch] * len(images)
+    joined = {key: np.concatenate(parts) for key, parts in found.items()}
     names = list(dict.fromkeys(score for name, score in found if name == AS_IT_IS))
     print(f"{given.touches} touches on {len(UNITS)} units, {len(touches)} transferred frames")
     print(f"| method | {' | '.join(names)} |\n|---|{'---|' * len(names)}")
     for name in [AS_IT_IS, *methods]:
-        cells = [str(bootstrap(np.concatenate(found[name, score]), touches)) for score in names]
+        cells = [str(bootstrap(joined[name, score], touches)) for score in names]
         print(f"| {name} | {' | '.join(cells)} |")
     print(f"\n| method, median [10 %, 90 %] | {' | '.join(QUANTILES)} |\n|---|{'---|' * len(QUANTILES)}")
     for name in [AS_IT_IS, *methods, TRUTH]:
         print(f"| {name} | {' | '.join(spread(found.get((name, score), [])) for score in QUANTILES)} |")
+    rows = [
+        {"method": name, "score": score, "less": "", **interval(bootstrap(joined[name, score], touches))}
+        for name in [AS_IT_IS, *methods]
+        for score in names
+    ]
+    for rival in RIVALS:
+        print(f"\n| method, less {rival} | {' | '.join(COMPARED)} |\n|---|{'---|' * len(COMPARED)}")
+        for name in methods:
+            if name == rival:
+                continue
+            cells = []
+            for score in COMPARED:
+                less = bootstrap(joined[name, score] - joined[rival, score], touches)
+                rows.append({"method": name, "score": score, "less": rival, **interval(less)})
+                cells.append(f"{less.value:+.4g} [{less.low:+.4g}, {less.high:+.4g}]")
+            print(f"| {name} | {' | '.join(cells)} |")
+    if given.json:
+        facts = {"seed": given.seed, "units": UNITS, "touches": given.touches, "frames": len(touches)}
+        write_json_atomic(given.json, {"format": "tactiledata-figures/1", **facts, "rows": rows})
+
+
+def interval(found: Interval) -> dict[str, float | None]:
+    """A bootstrap's value and ends; None for what is no number."""
+    ends = {"value": found.value, "low": found.low, "high": found.high}
+    return {name: float(value) if np.isfinite(value) else None for name, value in ends.items()}
 
 
 def spread(values: list[np.ndarray]) -> str:

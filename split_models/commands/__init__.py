@@ -2,7 +2,8 @@
 
 - ``verbs``: registers all of them, and holds `train`, `evaluate` and `run`, which work on a recipe;
 - ``export``: a recipe's networks as ONNX files;
-- ``transfer``, ``fine_tune`` and ``score``: these work on stores.
+- ``transfer``, ``fine_tune`` and ``score``: these work on stores;
+- ``device_option``: the option ``--device`` of all of them.
 
 A command parses options, calls another room and prints the answer. PyTorch is imported inside the functions, so that
 `tactiledata --help` starts without it.

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import typer
 
+from split_models.commands.device_option import DEVICE, require_device
 from tactiledata.cli.explain import damage_explains
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
@@ -28,6 +29,7 @@ def fine_tune(
     epochs: int = typer.Option(30, "--epochs", min=1, help="Number of passes over the part train."),
     learning_rate: float = typer.Option(3e-4, "--learning-rate", min=1e-8, max=1.0, help="Learning rate of Adam."),
     out: Path = OUT,
+    device: str = DEVICE,
     as_json: bool = JSON_OPTION,
 ) -> None:
     """Train an image VAE further, on pictures of another sensor.
@@ -44,6 +46,7 @@ def fine_tune(
     from tactiledata.store.read.reader import Store
 
     location = working_store(store)
+    require_device(device)
     vae, digest, _ = load_image_vae(model_file(model, "fine-tune"))
     with damage_explains(location):
         cameras = Store.open(location).cameras
@@ -56,7 +59,7 @@ def fine_tune(
         parts = [TouchFrames(location, f"{split}/{part}", camera=camera or cameras[0]) for part in ("train", "val")]
         options = TrainOptions(epochs, batch_size=16, learning_rate=learning_rate, decay=0.97)
         with progress("fine-tuning", quiet=as_json) as tell:
-            tuned = learn(vae, digest, parts[0], parts[1], options, out, tell)
+            tuned = learn(vae, digest, parts[0], parts[1], options, out, device, tell)
     if as_json:
         emit({**vars(tuned), "checkpoint": str(tuned.checkpoint), "model": digest})
         return

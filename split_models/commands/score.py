@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from split_models.commands.device_option import DEVICE, require_device
 from tactiledata.cli.explain import damage_explains
 from tactiledata.cli.given_values import listed_names
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say, table
@@ -46,6 +47,7 @@ def score(
     weights: Path = WEIGHTS,
     most: int = typer.Option(200, "--frames", min=1, help="Largest number of frames of each sensor, spread evenly."),
     out: Path = OUT,
+    device: str = DEVICE,
     as_json: bool = JSON_OPTION,
 ) -> None:
     """Score pictures of sensors against each other, with intervals.
@@ -67,16 +69,17 @@ def score(
 
     # choose sets of pictures, scores and targets
     location = working_store(store)
+    require_device(device)
     names = listed_names(metric, "--metric")
     with damage_explains(location):
         opened = Store.open(location)
         simulated = simulated_recordings(opened)
-        scores = chosen_scores(names, weights)
+        scores = chosen_scores(names, weights, device)
         sets = sensor_sets(opened, most, least=1)
         named, targets = (None, []) if against is None else _against(listed_names(against, "--against"), sets, opened)
         if not targets and scores:
             require_sets(opened, sets, 2)
-        encode = vectors_by_model(model) if model is not None else picture_vectors
+        encode = vectors_by_model(model, device) if model is not None else picture_vectors
         # score, and draw t-SNE where it was requested
         with progress("scoring", quiet=as_json) as tell:
             pair_scores = list(score_pairs(opened, scores, sets, named, encode, tell)) if scores else []

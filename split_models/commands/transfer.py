@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from split_models.commands.device_option import DEVICE, require_device
 from split_models.transfer.methods import LATENT
 from split_models.transfer.pixels import PIXEL_TRANSFERS
 from tactiledata.cli.explain import damage_explains
@@ -51,6 +52,7 @@ def transfer(
         None, "--from", help="Comma-separated sensors whose frames are transferred [default: all]."
     ),
     out_store: Path = OUT,
+    device: str = DEVICE,
     as_json: bool = JSON_OPTION,
 ) -> None:
     """Give the touches of a store the style of another sensor.
@@ -68,12 +70,13 @@ def transfer(
     from tactiledata.store.read.targets import find_target
 
     location = working_store(store)
+    require_device(device)
     with damage_explains(location):
         opened = Store.open(location)
         target = find_target(to, opened)
         named = None if sources is None else listed_names(sources, "--from")
         samples = touch_samples(opened, named)
-        choice = choose_method(method, model, samples)
+        choice = choose_method(method, model, samples, device)
         way = choice.method
         written = out_store if out_store is not None else _default_out(location, to, way.name)
         refuse_unfit(opened, target, way, written, named)

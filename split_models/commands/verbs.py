@@ -14,6 +14,7 @@ from split_models.commands import export as export_command
 from split_models.commands import fine_tune as fine_tune_command
 from split_models.commands import score as score_command
 from split_models.commands import transfer as transfer_command
+from split_models.commands.device_option import DEVICE
 from tactiledata.cli.documents import wrong_document_is_wrong_usage
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say
 from tactiledata.contract.progress import Progress
@@ -21,7 +22,6 @@ from tactiledata.errors import UsageError
 
 RECIPE = typer.Argument(..., help="A recipe file, or the name of a bundled one.")
 SCALE_HELP = "small, for two CPU cores, or paper, the paper's sizes, for a GPU."
-DEVICE = typer.Option("cpu", "--device", help="cpu or cuda.")
 OUT = typer.Option(Path("runs"), "--out", help="Folder for data, models and tables. Recipes share models.")
 WORKERS = typer.Option(1, "--workers", min=1, help="Local processes that record and replay a world.")
 

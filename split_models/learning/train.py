@@ -6,9 +6,10 @@ import hashlib
 import time
 from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import torch
 from torch import distributed
@@ -190,13 +191,29 @@ class _Loop:
         torch.manual_seed(_seed(self.options.seed, epoch, step, self.ranks.rank))
         require_finite_batch(batch, numbers, self.items)
         moved = {name: values.to(self.device, non_blocking=True) for name, values in batch.items()}
-        losses = self._losses(self.learner, moved, passed)
-        kind, rate = self.objective.network.kind, self.options.learning_rate
-        require_finite_losses(losses, kind, epoch, self.items, numbers, rate)
         self.optimiser.zero_grad(set_to_none=True)
-        losses["loss"].backward()
+        spans = self._pieces(len(numbers))
+        for piece, span in enumerate(spans):
+            with self._unshared(piece + 1 < len(spans)):
+                part = {name: values[span] for name, values in moved.items()}
+                losses = self._losses(self.learner, part, passed)
+                listed = numbers[span]
+                kind, rate = self.objective.network.kind, self.options.learning_rate
+                require_finite_losses(losses, kind, epoch, self.items, listed, rate)
+                (losses["loss"] * (len(listed) / len(numbers))).backward()
+            self._count(self.progress.sums, losses, len(listed))
         self.optimiser.step()
-        self._count(self.progress.sums, losses, len(numbers))
+
+    def _pieces(self, count: int) -> list[slice]:
+        """Pieces of a batch of ``count`` items that go through the network together."""
+        size = -(-count // min(self.options.accumulate, count))
+        return [slice(start, min(start + size, count)) for start in range(0, count, size)]
+
+    def _unshared(self, is_early: bool) -> AbstractContextManager[Any]:
+        """A context without an exchange of gradients: processes exchange those of the last piece, with all others."""
+        if is_early and isinstance(self.learner, DistributedDataParallel):
+            return self.learner.no_sync()
+        return nullcontext()
 
     def _losses(self, learner: torch.nn.Module, batch: Batch, epoch: float) -> Losses:
         """Losses of a batch, in bfloat16 where the device gains by it."""

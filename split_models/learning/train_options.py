@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 Schedule = Literal["decay", "one_cycle"]
 RISING = 0.1
@@ -40,6 +40,9 @@ class TrainOptions:
         Seed of the order of items and of all random numbers.
     save_seconds : float
         Longest time between checkpoints within an epoch.
+    accumulate : int
+        Number of pieces of a batch that go through the network one after another, and whose gradients are added: each
+        step has the same items in a fraction of the memory.
     """
 
     epochs: int
@@ -52,6 +55,15 @@ class TrainOptions:
     settle: int = 0
     seed: int = 0
     save_seconds: float = 120.0
+    accumulate: int = 1
+
+    @property
+    def shaping(self) -> dict[str, Any]:
+        """Options that influence the weights; a batch in one piece is as before there were pieces."""
+        shaping = {**vars(self), "save_seconds": 0.0}
+        if self.accumulate == 1:
+            del shaping["accumulate"]
+        return shaping
 
     def rate_at(self, epoch: float) -> float:
         """The learning rate after a number of epochs, which may be a fraction."""

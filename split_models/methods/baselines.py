@@ -108,6 +108,11 @@ def taxim_published(recipe_run: RecipeRun) -> OpticalMethod:
     return taxim_method.taxim_published(surface_of(recipe_run))
 
 
+def taxim_registered(recipe_run: RecipeRun) -> PerUnit:
+    """Taxim with the published DIGIT table, seen through a camera that is registered for each unit."""
+    return PerUnit("taxim_registered", recipe_run, taxim_method.taxim_registered)
+
+
 def taxim_calibrated(recipe_run: RecipeRun) -> PerUnit:
     """Taxim, registered and calibrated for each unit of a recipe's store."""
     return PerUnit("taxim_calibrated", recipe_run, taxim_method.taxim_calibrated)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, Protocol
 
 from split_models.networks.latent import (
@@ -48,6 +49,7 @@ MESH_TO_IMAGE = Registry(
         "no_contact": "split_models.methods.methods:no_contact",
         "end_to_end": "split_models.methods.methods:end_to_end",
         "taxim_published": "split_models.methods.baselines:taxim_published",
+        "taxim_registered": "split_models.methods.baselines:taxim_registered",
         "taxim_calibrated": "split_models.methods.baselines:taxim_calibrated",
         "fots_published": "split_models.methods.baselines:fots_published",
         "fots_calibrated": "split_models.methods.baselines:fots_calibrated",
@@ -90,7 +92,8 @@ TITLES = {
     "faded": "background and undeformed mesh: where fading ends",
     "taxim_published": "Taxim, published calibration",
     "taxim_calibrated": "Taxim, calibrated and registered per unit",
-    "fots_published": "FOTS, published calibration",
+    "taxim_registered": "Taxim, published table, camera registered per unit",
+    "fots_published": "FOTS's network, taught by Taxim's published table",
     "fots_calibrated": "FOTS, calibrated and registered per unit",
     "zhu": "Zhu et al. 2022",
     "across": "ACROSS",
@@ -119,8 +122,18 @@ def image_to_mesh(recipe_run: RecipeRun, row: str) -> ImageToMesh:
     return method
 
 
-def title_of(row: str) -> str:
-    """Title of a row for people, followed by its variant."""
+def title_of(row: str, titles: Mapping[str, str] | None = None) -> str:
+    """Title of a row for people, followed by its variant.
+
+    Parameters
+    ----------
+    row : str
+        ``METHOD`` or ``VARIANT:METHOD``.
+    titles : dict, optional
+        Titles of rows that a recipe gives, which go before the usual ones.
+    """
+    if titles and row in titles:
+        return titles[row]
     variant, _, name = row.rpartition(":")
     title = TITLES.get(name, name)
     return f"{title}, {variant}" if variant else title

@@ -1,4 +1,4 @@
-"""Taxim as a baseline, twice: with its published DIGIT calibration, and calibrated on the unit."""
+"""Taxim as a baseline: as published, through a registered camera, and calibrated on the unit."""
 
 from __future__ import annotations
 
@@ -28,6 +28,23 @@ def taxim_published(surface: GelSurface, sensor: Sensor = DIGIT, table: Path | N
         Another published table in Taxim's file format.
     """
     return OpticalMethod("taxim_published", surface, View.nominal(sensor), published_digit_table(table).change)
+
+
+def taxim_registered(surface: GelSurface, view: View, touches: Sequence[Touch]) -> OpticalMethod:
+    """Taxim with the published DIGIT table, seen through the unit's registered camera.
+
+    It parts what a misplaced camera costs from what another unit's colours cost.
+
+    Parameters
+    ----------
+    surface : GelSurface
+        Surface of the mesh that displacements belong to.
+    view : View
+        The unit's registered camera.
+    touches : sequence of Touch
+        Not used: the table stays as it was published.
+    """
+    return OpticalMethod("taxim_registered", surface, view, published_digit_table().change)
 
 
 def taxim_calibrated(surface: GelSurface, view: View, touches: Sequence[Touch]) -> OpticalMethod:

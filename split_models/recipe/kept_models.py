@@ -81,7 +81,7 @@ class KeptModels:
         if name in self._networks:
             return self._networks[name]
         # the interval between checkpoints does not influence the weights, so it is not part of the key
-        key = digest_of({**described, "options": vars(replace(options, save_seconds=0.0))})
+        key = digest_of({**described, "options": options.shaping})
         folder = self.folder / f"{name}-{key[:12]}"
         stamps = replace(stamps, recipe=key)
         network = self._ready(folder, stamps) or self._train(name, folder, stamps, options, build)

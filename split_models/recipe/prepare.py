@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,8 @@ from tactiledata.rig.scenario.worlds import find_scenario
 from tactiledata.splits.make import make_split
 from tactiledata.store.read.reader import Store
 
+MATERIAL = ("youngs_modulus", "poisson_ratio", "friction")
+"""Parameters of the gel's material."""
 STORE = "ds.zarr"
 """Name of the store of a simulated world."""
 RECORDED = "recorded.json"
@@ -86,8 +89,28 @@ def _make_world(data: Any, store: Path, workers: int, tell: Progress) -> None:
             "complete recordings",
             f"Look with `tactiledata info {store}`.",
         )
-    options = replay_options(data["replay"], scenario)
+    section = data["replay"]
+    calibration = _calibration(section, store, workers, tell) if is_calibrated(section) else {}
+    options = replay_options(section, scenario, calibration)
     replay(store, options, workers, progress=partial(_report_step, tell, "replaying"))
+
+
+def is_calibrated(section: Any) -> bool:
+    """Whether a recipe's section ``replay`` leaves a parameter of the material to a calibration."""
+    return section["material"] == "calibrated" and any(section[name] is None for name in MATERIAL)
+
+
+def _calibration(section: Any, store: Path, workers: int, tell: Progress) -> Any:
+    """The calibration of a world's touches, beside its store; one that is complete is left alone."""
+    from tactiledata.calibrate.calibrate import calibrate
+    from tactiledata.calibrate.document import write_calibration
+    from tactiledata.calibrate.options import CalibrationOptions
+
+    path = store.parent / f"calibration-{section['fidelity']}.json"
+    if path.exists():
+        return read_document(path, "calibration")
+    options = CalibrationOptions(fidelity=section["fidelity"], workers=workers)
+    return write_calibration(calibrate(Store.open(store), options, partial(_report_step, tell, "calibrating")), path)
 
 
 def _report_step(tell: Progress, step: str, done: int, total: int, what: str = "") -> None:
@@ -95,27 +118,36 @@ def _report_step(tell: Progress, step: str, done: int, total: int, what: str = "
     tell(done, total, f"{step}: {what}")
 
 
-def replay_options(section: Any, scenario: Scenario) -> ReplayOptions:
-    """Options of a world's replay; where the recipe states no material, the world's own is used."""
-    own = scenario.material
-    material = {
-        name: getattr(own, name) if section[name] is None else section[name]
-        for name in ("youngs_modulus", "poisson_ratio", "friction")
-    }
+def replay_options(section: Any, scenario: Scenario, calibration: Mapping[str, Any]) -> ReplayOptions:
+    """Options of a world's replay.
+
+    Parameters
+    ----------
+    section : dict
+        The recipe's section ``replay``; a parameter of the material that it states goes before all else.
+    scenario : Scenario
+        The world, whose own material is used without a calibration.
+    calibration : dict
+        Content of a calibration.json, with the contact offsets of the touches that it played; empty without one.
+    """
+    own = {name: calibration.get(name, getattr(scenario.material, name)) for name in MATERIAL}
+    material = {name: own[name] if section[name] is None else section[name] for name in MATERIAL}
     return ReplayOptions(
         GelMaterial(**material),
         resolution=section["resolution"],
         fidelity=section["fidelity"],
         keep=section["keep"],
+        offsets=calibration.get("offsets", {}),
         name=replayed_name(section),
     )
 
 
 def replayed_name(section: Any) -> str:
-    """Name of a replayed mesh in the store, from its resolution, fidelity and kept nodes."""
+    """Name of a replayed mesh in the store, from its resolution, fidelity, kept nodes and the material's origin."""
     linear = "-linear" if section["fidelity"] == "linear" else ""
     surface = "-surface" if section["keep"] == "surface" else ""
-    return f"{section['resolution']}{linear}{surface}"
+    calibrated = "-calibrated" if is_calibrated(section) else ""
+    return f"{section['resolution']}{linear}{surface}{calibrated}"
 
 
 def mesh_name(data: Any) -> str:

@@ -18,6 +18,7 @@ def _training(
         "weight_decay": weight_decay,
         "patience": patience,
         "save_seconds": 120.0,
+        "accumulate": 1,
     }
 
 
@@ -35,6 +36,7 @@ DEFAULTS: dict[str, Any] = {
             "resolution": "low",
             "fidelity": "finite-strain",
             "keep": "all",
+            "material": "calibrated",
             "youngs_modulus": None,
             "poisson_ratio": None,
             "friction": None,
@@ -109,6 +111,8 @@ DEFAULTS: dict[str, Any] = {
         "methods": None,
         "parts": ["test", "test_unseen"],
         "scores": None,
+        "titles": {},
+        "against": None,
         "rounds": 1000,
         "cycles": 40,
         "frames": 100,

@@ -20,6 +20,7 @@ from split_models.learning.contact_region import contact_region
 from split_models.recipe.recipe_run import RecipeRun
 from split_models.tables.alignment_pictures import AS_RECORDED, latent_rows, write_strips
 from split_models.tables.evaluate import MASKED, Values, summarised
+from split_models.tables.paired_differences import difference_part, differences
 from split_models.tables.paired_truth import KEPT_SCORES, PAIRED_SCORES, kept_values, paired_values
 from split_models.tables.recorded_title import recorded_row
 from split_models.tables.unit_frames import UnitFrames, paired_frames, spread_evenly
@@ -32,6 +33,8 @@ from tactiledata.metrics.gram_style import style_distances
 from tactiledata.scoring.chosen_scores import STYLE, chosen_scores
 
 Rows = list[dict[str, Any]]
+REFERENCE = "background_swap"
+"""Method that the others are compared with, frame by frame, unless a recipe names another."""
 SET_SCORES = ("histogram_intersection", "histogram_correlation", STYLE)
 """Scores between two sets of pictures."""
 
@@ -109,6 +112,14 @@ class Alignment:
     def recorded_row(self) -> str:
         """Title of the rows of recorded pictures."""
         return recorded_row(self.recipe_run.store)
+
+    def title_of(self, name: str) -> str:
+        """Title of a method's rows, which a recipe may give; of the recorded pictures for `AS_RECORDED`."""
+        if name == AS_RECORDED:
+            return self.recorded_row
+        variant, _, method = name.rpartition(":")
+        given = self.recipe_run.recipe.rows["titles"].get(name)
+        return f"{given or title_of(method) + (f', {variant}' if variant else '')} (Synth.)"
 
     def titled(self, letter: str) -> str:
         """Title of a target in headings; it says whether the model learned from the target."""
@@ -190,17 +201,27 @@ def _set_rows(table: Alignment, letter: str) -> Rows:
             values.setdefault(name, []).append(scored)
             scores = summarised(scored, sample.touches, rounds, known)
             by_source.append(_row(table, f"{table.titled(letter)}, by source", name, scores, letter, source))
-    over_all = [
-        _row(
-            table,
-            f"{table.titled(letter)}, mean over sources",
-            name,
-            summarised(_joined(scored), np.concatenate(touches), rounds, known),
-            letter,
-        )
-        for name, scored in values.items()
+    joined = {name: _joined(scored) for name, scored in values.items()}
+    part = f"{table.titled(letter)}, mean over sources"
+    return _compared_rows(table, part, letter, joined, np.concatenate(touches), known) + by_source
+
+
+def _compared_rows(
+    table: Alignment, part: str, letter: str, values: Mapping[str, Values], touches: Any, known: Mapping[str, Score]
+) -> Rows:
+    """Rows of each method's scores, then of their differences to a reference on the same frames."""
+    rounds, named = table.recipe_run.recipe.rows["rounds"], table.recipe_run.recipe.rows["against"]
+    reference = named or REFERENCE
+    rows = [
+        _row(table, part, name, summarised(scored, touches, rounds, known), letter) for name, scored in values.items()
     ]
-    return over_all + by_source
+    if reference not in values:
+        return rows
+    title = difference_part(part, table.title_of(reference))
+    return rows + [
+        _row(table, title, name, summarised(less, touches, rounds, known), letter)
+        for name, less in differences(values, reference).items()
+    ]
 
 
 @dataclass(frozen=True)
@@ -240,7 +261,7 @@ def _set_values(
 def _paired_rows(table: Alignment, letter: str) -> Rows:
     """Rows that compare every method's pictures with the target's own of the same touches; none without pairs."""
     target = table.targets[letter]
-    most, rounds = table.recipe_run.recipe.rows["pairs"], table.recipe_run.recipe.rows["rounds"]
+    most = table.recipe_run.recipe.rows["pairs"]
     values: dict[str, list[Values]] = {}
     touches: list[str] = []
     for done, source in enumerate(table.sources):
@@ -258,16 +279,9 @@ def _paired_rows(table: Alignment, letter: str) -> Rows:
                 scored |= table.kept(name, moved, pictures, source, target)
                 values.setdefault(name, []).append(scored)
     known = {**PAIRED_SCORES, table.style.name: table.style}
-    return [
-        _row(
-            table,
-            f"paired truth, to {table.titled(letter)}",
-            name,
-            summarised(_joined(scored), np.array(touches, object), rounds, known),
-            letter,
-        )
-        for name, scored in values.items()
-    ]
+    joined = {name: _joined(scored) for name, scored in values.items()}
+    part = f"paired truth, to {table.titled(letter)}"
+    return _compared_rows(table, part, letter, joined, np.array(touches, object), known)
 
 
 def _joined(values: list[Values]) -> Values:
@@ -277,8 +291,6 @@ def _joined(values: list[Values]) -> Values:
 
 def _row(table: Alignment, part: str, name: str, scores: Any, letter: str, source: str = "") -> dict[str, Any]:
     """A row of the table, titled by its source, method and variant."""
-    variant, _, method = name.rpartition(":")
-    of_variant = f", {variant}" if variant else ""
-    title = table.recorded_row if name == AS_RECORDED else f"{title_of(method)}{of_variant} (Synth.)"
+    title = table.title_of(name)
     words = f"{source}, {title}" if source else title
     return {"part": part, "method": words, "transfer": name, "target": letter, "source": source, "scores": scores}

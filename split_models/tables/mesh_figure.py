@@ -16,7 +16,12 @@ from tactiledata.optics.surface import GelSurface
 
 
 def mesh_figure(
-    methods: Mapping[str, Any], frames: TouchFrames, surface: GelSurface, recorded: str = "recorded", count: int = 6
+    methods: Mapping[str, Any],
+    frames: TouchFrames,
+    surface: GelSurface,
+    recorded: str = "recorded",
+    count: int = 6,
+    titles: Mapping[str, str] | None = None,
 ) -> tuple[list[list[PictureArray]], list[str], list[str]]:
     """Pictures of meshes for some evenly spaced frames, one row each; then titles of the columns and of the rows.
 
@@ -35,6 +40,8 @@ def mesh_figure(
         Title over the recorded pictures.
     count : int
         Largest number of rows.
+    titles : dict, optional
+        Titles of rows that a recipe gives.
     """
     assert frames.size is not None  # recipes state it
     shown, labels = [], []
@@ -45,6 +52,6 @@ def mesh_figure(
         deepest = float(-true[0, :, 2].min())
         drawn = MeshPictures(surface, frames.size, deepest)
         shown.append([picture[0], drawn.draw(true[0]), *(drawn.draw(mesh[0]) for mesh in made.values())])
-        errors = "".join(f"\n{title_of(name)}: {rmse(mesh, true)[0]:.3f} mm" for name, mesh in made.items())
+        errors = "".join(f"\n{title_of(name, titles)}: {rmse(mesh, true)[0]:.3f} mm" for name, mesh in made.items())
         labels.append(f"{frames.indenters[number]} on {sensor}, {1e3 * deepest:.2f} mm deep{errors}")
-    return shown, [recorded, "simulated mesh", *(title_of(name) for name in methods)], labels
+    return shown, [recorded, "simulated mesh", *(title_of(name, titles) for name in methods)], labels

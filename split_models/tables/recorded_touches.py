@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from split_models.learning.data import TouchFrames
-from split_models.recipe.prepare import replay_options
 from split_models.recipe.recipe_run import RecipeRun
 from split_models.tables.simulated_frames import Pad, surface_of_pad
 from tactiledata.errors import UsageError
@@ -16,8 +15,6 @@ from tactiledata.gel.contact.history import GelTouch
 from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.replay.options import ReplayOptions
 from tactiledata.replay.plan import PlannedTouch, plan_replay
-from tactiledata.rig.scenario.scenario import load_scenario
-from tactiledata.rig.scenario.worlds import find_scenario
 from tactiledata.store.read.reader import Store
 
 
@@ -100,9 +97,6 @@ def _pad(recipe_run: RecipeRun, pads: Any, touch: PlannedTouch, options: ReplayO
 
 def _options(recipe_run: RecipeRun) -> ReplayOptions:
     """Options with which the store was replayed, at low resolution."""
-    data = recipe_run.recipe.data
-    if data["world"]:
-        return replay_options({**data["replay"], "resolution": "low"}, load_scenario(find_scenario(data["world"])))
     frames = recipe_run.frames("train")
     known = frames.arrays.store.mesh(frames.mesh_name).settings
     material = GelMaterial(**known["material"])

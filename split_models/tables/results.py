@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from split_models.methods.methods import title_of
+from split_models.recipe.prepare import MATERIAL, is_calibrated
 from split_models.recipe.recipe import Recipe
 from split_models.tables.evaluate import MASKED
 from tactiledata.contract.atomic import write_atomic, write_json_atomic
@@ -45,9 +46,27 @@ def result_document(
         "table": recipe.table,
         "simulated_recordings": simulated.document(),
         "rows": [dict(row) for row in rows],
+        "titles": dict(recipe.rows["titles"]),
+        "meshes": mesh_facts(recipe.data),
         "published": dict(recipe.document["published"]),
         "provenance": provenance("run", {"recipe": recipe.digest, "store": store_digest}),
     }
+
+
+def mesh_facts(data: Mapping[str, Any]) -> str:
+    """Resolution, nodes, strains and material of a recipe's meshes in words; empty for a store that it did not make.
+
+    The paper gives Taxim and FOTS the high resolution. Whether a table does is to be read from it.
+    """
+    if not data["world"]:
+        return ""
+    section = data["replay"]
+    nodes = "surface nodes" if section["keep"] == "surface" else "all nodes"
+    stated = [f"{name.replace('_', ' ')} {section[name]:g}" for name in MATERIAL if section[name] is not None]
+    if len(stated) < len(MATERIAL):
+        planted = "the material with which the world was recorded, which nobody knows of real touches"
+        stated.append("a material calibrated on the recorded forces" if is_calibrated(section) else planted)
+    return f"{section['resolution']} resolution, {nodes}, {section['fidelity']}, {', '.join(stated)}"
 
 
 def write_result(folder: Path, document: Mapping[str, Any]) -> dict[str, Path]:
@@ -67,29 +86,35 @@ def markdown(document: Mapping[str, Any]) -> str:
     ]
     if sentence := SimulatedCount(**document["simulated_recordings"]).sentence:
         lines += ["", sentence]
+    if document["meshes"]:
+        lines += ["", f"Meshes, of all rows: {document['meshes']}."]
+    titles = document["titles"]
     for part in dict.fromkeys(row["part"] for row in document["rows"]):
         rows = [row for row in document["rows"] if row["part"] == part]
-        lines += ["", f"## {part}: {_size(rows)}", "", *table_lines(rows)]
+        lines += ["", f"## {part}: {_size(rows)}", "", *table_lines(rows, titles)]
         published = document["published"].get(part)
         if published:
             lines += ["", "The paper's own figures, of another data set:", "", *_published_lines(published)]
     return "\n".join([*lines, ""])
 
 
-def table_lines(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Lines of a Markdown table with a column for each score."""
+def table_lines(rows: Sequence[Mapping[str, Any]], titles: Mapping[str, str] | None = None) -> list[str]:
+    """Lines of a Markdown table with a column for each score; ``titles`` as in `row_title`."""
     names = list(dict.fromkeys(name for row in rows for name in row["scores"]))
     heads = [_head(name, next(row["scores"][name] for row in rows if name in row["scores"])) for name in names]
     return [
         f"| | {' | '.join(heads)} |",
         f"|---|{'---|' * len(heads)}",
-        *(f"| {row_title(row)} | {' | '.join(cell(row['scores'].get(name)) for name in names)} |" for row in rows),
+        *(
+            f"| {row_title(row, titles)} | {' | '.join(cell(row['scores'].get(name)) for name in names)} |"
+            for row in rows
+        ),
     ]
 
 
-def row_title(row: Mapping[str, Any]) -> str:
-    """Title of a row for people, with its cycle where it has one."""
-    title = title_of(row["method"])
+def row_title(row: Mapping[str, Any], titles: Mapping[str, str] | None = None) -> str:
+    """Title of a row for people, with its cycle where it has one; ``titles`` are those that a recipe gives."""
+    title = title_of(row["method"], titles)
     return f"{title}, cycle {row['cycle']}" if "cycle" in row else title
 
 
@@ -131,7 +156,7 @@ def _size(rows: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _published_lines(published: Mapping[str, Mapping[str, Any]]) -> list[str]:
-    """Lines of a Markdown table with the paper's own figures."""
+    """Lines of a Markdown table with the paper's own figures, under the paper's names."""
     names = list(dict.fromkeys(name for row in published.values() for name in row))
     return [
         f"| | {' | '.join(names)} |",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,13 +14,14 @@ from split_models.networks.force_head import predicted_forces
 from split_models.recipe.recipe_run import RecipeRun
 from split_models.tables.cyclic import cyclic_rows, prepare_cyclic
 from split_models.tables.domain_alignment import alignment_rows, prepare_alignment
-from split_models.tables.evaluate import image_values, mesh_values, summarised
+from split_models.tables.evaluate import Values, image_values, mesh_values, summarised
 from split_models.tables.inference_time import prepare_time, time_rows
 from split_models.tables.interval_rows import interval_rows
 from split_models.tables.mesh_figure import mesh_figure
+from split_models.tables.paired_differences import difference_rows
 from split_models.tables.picture_grid import write_grid
 from split_models.tables.recorded_title import recorded_title
-from tactiledata.errors import UsageError
+from tactiledata.errors import UnknownName, UsageError
 from tactiledata.metrics.base import Metric
 from tactiledata.metrics.force_error import FORCE_ERROR
 from tactiledata.metrics.image_similarity import IMAGE_SIMILARITY
@@ -54,13 +55,26 @@ def _scored(
 ) -> Rows:
     """A row for each method: the recipe's scores of a metric on a part, with intervals over trajectories."""
     names = scores_of(recipe_run, list(metric.scores))
+    rounds, touches = recipe_run.recipe.rows["rounds"], frames.trajectories
+    values: dict[str, Values] = {}
     rows: Rows = []
     for done, (name, method) in enumerate(methods.items()):
         recipe_run.tell(done, len(methods), f"{part}: {name}")
-        values = values_of(method, frames, names)
-        summary = summarised(values, frames.trajectories, recipe_run.recipe.rows["rounds"], metric.scores)
-        rows.append({"part": part, "method": name, "scores": summary})
-    return rows
+        values[name] = values_of(method, frames, names)
+        rows.append({"part": part, "method": name, "scores": summarised(values[name], touches, rounds, metric.scores)})
+    reference = reference_of(recipe_run, list(methods))
+    title = title_of(reference, recipe_run.recipe.rows["titles"])
+    return rows + difference_rows(part, values, reference, title, touches, rounds, metric.scores)
+
+
+def reference_of(recipe_run: RecipeRun, methods: Sequence[str]) -> str:
+    """The row that the others are compared with, frame by frame: the one that a recipe names, else SPLIT."""
+    named = recipe_run.recipe.rows["against"]
+    if named is None:
+        return "split"
+    if named not in methods:
+        raise UnknownName("row to compare with", named, list(methods))
+    return str(named)
 
 
 # -- pictures --------------------------------------------------------------------------------------------------------
@@ -77,13 +91,18 @@ def image_rows(recipe_run: RecipeRun) -> Rows:
     rows: Rows = []
     for part, frames in parts(recipe_run):
         rows += _scored(recipe_run, part, frames, methods, image_values, IMAGE_SIMILARITY)
-        figure = side_by_side(methods, frames, recorded_title(recipe_run.store))
+        titles = recipe_run.recipe.rows["titles"]
+        figure = side_by_side(methods, frames, recorded_title(recipe_run.store), titles=titles)
         write_grid(recipe_run.tables / f"pictures-{part}.png", *figure)
     return rows
 
 
 def side_by_side(
-    methods: dict[str, Any], frames: TouchFrames, recorded: str = "recorded", count: int = 6
+    methods: dict[str, Any],
+    frames: TouchFrames,
+    recorded: str = "recorded",
+    count: int = 6,
+    titles: Mapping[str, str] | None = None,
 ) -> tuple[list[list[np.ndarray]], list[str], list[str]]:
     """Rows of pictures of evenly spaced frames, recorded and of each method; then titles of columns and of rows.
 
@@ -97,6 +116,8 @@ def side_by_side(
         Title over the recorded pictures.
     count : int
         Largest number of rows.
+    titles : dict, optional
+        Titles of rows that a recipe gives.
     """
     shown, labels = [], []
     for number in np.unique(np.linspace(0, len(frames) - 1, count).astype(np.int64)):
@@ -104,7 +125,7 @@ def side_by_side(
         made = [for_sensor(method, sensor).predict(moved, frames.background(sensor))[0] for method in methods.values()]
         shown.append([frames.pictures([int(number)])[0], *made])
         labels.append(f"{frames.indenters[number]} on {sensor}")
-    return shown, [recorded, *(title_of(name) for name in methods)], labels
+    return shown, [recorded, *(title_of(name, titles) for name in methods)], labels
 
 
 # -- meshes ----------------------------------------------------------------------------------------------------------
@@ -121,7 +142,8 @@ def mesh_rows(recipe_run: RecipeRun) -> Rows:
     rows: Rows = []
     for part, frames in parts(recipe_run):
         rows += _scored(recipe_run, part, frames, methods, mesh_values, MESH_DISTANCE)
-        figure = mesh_figure(methods, frames, surface_of(recipe_run), recorded_title(recipe_run.store))
+        titles = recipe_run.recipe.rows["titles"]
+        figure = mesh_figure(methods, frames, surface_of(recipe_run), recorded_title(recipe_run.store), titles=titles)
         write_grid(recipe_run.tables / f"meshes-{part}.png", *figure)
     return rows
 

@@ -12,6 +12,7 @@ import torch
 from split_models.learning.augment import Augmentation
 from split_models.learning.checkpoint import TrainedOn
 from split_models.learning.data import TouchFrames
+from split_models.learning.device import find_device
 from split_models.learning.items import Batch, frame_of
 from split_models.learning.objectives import ImageVaeObjective
 from split_models.learning.train import BEST, train
@@ -101,6 +102,7 @@ def fine_tune(
     validation: TouchFrames,
     options: TrainOptions,
     folder: Path,
+    device: str = "cpu",
     tell: Progress | None = None,
 ) -> FineTuned:
     """The result of training a VAE further on another sensor's pictures; a killed training is resumed by the same call.
@@ -116,6 +118,8 @@ def fine_tune(
     options : TrainOptions
     folder : Path
         Folder for checkpoints and the curve.
+    device : "cpu" or "cuda"
+        Device that the network learns on.
     tell : callable, optional
         Called after each epoch with epochs done, epochs in all, and the losses in words.
 
@@ -124,16 +128,18 @@ def fine_tune(
     CheckpointError
         The folder holds a training with other pictures, options or parent.
     """
+    chosen = find_device(device)
+    vae.to(chosen)
     items = SizedPictures(train_frames, vae.size, BACKGROUND_COPIES)
     held = SizedPictures(validation, vae.size)
     before = reconstruction_error(vae, held)
-    recipe = digest_of({"fine-tuned from": parent, "augmentation": vars(AUGMENTATION), "options": vars(options)})
+    recipe = digest_of({"fine-tuned from": parent, "augmentation": vars(AUGMENTATION), "options": options.shaping})
     stamps = TrainedOn(recipe, train_frames.split_digest, digest_of([items.fingerprint, held.fingerprint]), "")
     # a parent without a list of its sensors stays without one: a partial list would seem complete
     if vae.learned_from:
         vae.learned_from += kept_small(list(train_frames.backgrounds().items()))
     objective = ImageVaeObjective(vae, DIVERGENCE_WEIGHT, 0, AUGMENTATION)
-    train(objective, items, held, options, folder, stamps, torch.device("cpu"), tell=tell)
+    train(objective, items, held, options, folder, stamps, chosen, tell=tell)
     return FineTuned(folder / BEST, len(train_frames), before, reconstruction_error(vae, held))
 
 

@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from split_models.learning.checkpoint import load_checkpoint
+from split_models.learning.device import find_device
 from split_models.networks.image_vae import ImageVae
 from split_models.networks.latent import add, decode_pictures, encode_pictures, subtract
 from split_models.networks.learned_backgrounds import Learned
@@ -136,11 +137,19 @@ def laid_on(background: PictureArray, drawn: PictureArray, untouched: PictureArr
     return np.clip(np.rint(combined), 0, 255).astype(np.uint8)
 
 
-def load_image_vae(path: Path) -> tuple[ImageVae, str, str]:
+def load_image_vae(path: Path, device: str = "cpu") -> tuple[ImageVae, str, str]:
     """The image VAE in a checkpoint, the SHA-256 of its file, and that of the recipe that it was trained by.
+
+    Parameters
+    ----------
+    path : Path
+    device : "cpu" or "cuda"
+        Device that the VAE runs on.
 
     Raises
     ------
+    UnknownName, UsageError
+        As `split_models.learning.device.find_device`.
     MissingFile
         The file does not exist.
     CheckpointError
@@ -155,4 +164,4 @@ def load_image_vae(path: Path) -> tuple[ImageVae, str, str]:
             "Name the image VAE's checkpoint of the run.",
             path=str(path),
         )
-    return network, file_digest(path), checkpoint.stamps.recipe
+    return network.to(find_device(device)), file_digest(path), checkpoint.stamps.recipe

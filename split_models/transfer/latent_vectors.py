@@ -34,8 +34,14 @@ def _small(pictures: PictureArray) -> NDArray[np.float32]:
     return np.stack(shrunk).reshape(len(pictures), -1)
 
 
-def vectors_by_model(path: Path) -> Callable[[PictureArray, PictureArray | None], Vectors]:
+def vectors_by_model(path: Path, device: str = "cpu") -> Callable[[PictureArray, PictureArray | None], Vectors]:
     """A function of pictures and background that gives Z_image, and with a background Z_deform, by an image VAE.
+
+    Parameters
+    ----------
+    path : Path
+    device : "cpu" or "cuda"
+        Device that the image VAE runs on.
 
     Raises
     ------
@@ -48,7 +54,7 @@ def vectors_by_model(path: Path) -> Callable[[PictureArray, PictureArray | None]
     from split_models.transfer.latent_transfer import load_image_vae
     from split_models.transfer.picture_size import scaled
 
-    vae, _, _ = load_image_vae(path)
+    vae, _, _ = load_image_vae(path, device)
 
     def encode(pictures: PictureArray, background: PictureArray | None) -> Vectors:
         image = encode_pictures(vae, scaled(pictures, vae.size))

@@ -117,7 +117,9 @@ def kept_by(method: TransferMethod, samples: Sequence[TouchSample], target: Pict
     )
 
 
-def choose_method(name: str | None, model: Path | None, samples: Sequence[TouchSample]) -> MethodChoice:
+def choose_method(
+    name: str | None, model: Path | None, samples: Sequence[TouchSample], device: str = "cpu"
+) -> MethodChoice:
     """The named transfer method, or where none is named the one that suits a store's touches.
 
     Parameters
@@ -129,6 +131,8 @@ def choose_method(name: str | None, model: Path | None, samples: Sequence[TouchS
         Checkpoint of an image VAE; the bundled one unless given.
     samples : list of TouchSample
         Touches of the store.
+    device : "cpu" or "cuda"
+        Device that the image VAE runs on.
 
     Raises
     ------
@@ -136,7 +140,7 @@ def choose_method(name: str | None, model: Path | None, samples: Sequence[TouchS
         As `split_models.transfer.methods.transfer_method`.
     """
     if name is not None:
-        method = transfer_method(name, model)
+        method = transfer_method(name, model, device)
         vae = getattr(method, "vae", None)
         return MethodChoice(method, () if vae is None else _drawn(vae, samples))
     keeping = transfer_method(KEEPING)
@@ -144,7 +148,7 @@ def choose_method(name: str | None, model: Path | None, samples: Sequence[TouchS
         return MethodChoice(keeping, (), "no model of pictures is bundled: each touch goes as it was recorded")
     from split_models.transfer.latent_transfer import load_image_vae
 
-    vae, *stamps = load_image_vae(model_file(model, "transfer"))
+    vae, *stamps = load_image_vae(model_file(model, "transfer"), device)
     drawn = _drawn(vae, samples)
     if drawn and all(kept.is_kept for kept in drawn):
         return MethodChoice(vae_transfer(LEARNED, vae, *stamps), drawn, "the model draws the touches of this store")

@@ -45,7 +45,7 @@ class TransferMethod(Protocol):
         """
 
 
-def transfer_method(name: str, model: Path | None = None) -> TransferMethod:
+def transfer_method(name: str, model: Path | None = None, device: str = "cpu") -> TransferMethod:
     """The transfer method of a name, in which ``-`` and ``_`` are equivalent.
 
     Parameters
@@ -54,13 +54,15 @@ def transfer_method(name: str, model: Path | None = None) -> TransferMethod:
         A name in `LATENT` or in `PIXEL_TRANSFERS`.
     model : Path, optional
         Checkpoint of an image VAE; the bundled one unless given.
+    device : "cpu" or "cuda"
+        Device that the image VAE runs on; methods by pixels run on the CPU.
 
     Raises
     ------
     UnknownName
-        There is no such method.
+        There is no such method or device.
     UsageError
-        A model is given for a method that takes none.
+        A model is given for a method that takes none, or PyTorch has no GPU for ``cuda``.
     MissingFile
         The model does not exist.
     CheckpointError
@@ -75,7 +77,7 @@ def transfer_method(name: str, model: Path | None = None) -> TransferMethod:
         return PIXEL_TRANSFERS[key]
     from split_models.transfer.latent_transfer import load_image_vae
 
-    return vae_transfer(key, *load_image_vae(model_file(model, f"--method {name}")))
+    return vae_transfer(key, *load_image_vae(model_file(model, f"--method {name}"), device))
 
 
 def model_file(model: Path | None, wanted_by: str) -> Path:

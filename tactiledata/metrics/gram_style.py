@@ -117,7 +117,12 @@ def random_features() -> nn.Sequential:
 
 
 def gram_style(
-    pictures: Any, others: Any, mask: Any = None, others_mask: Any = None, weights: Path | None = None
+    pictures: Any,
+    others: Any,
+    mask: Any = None,
+    others_mask: Any = None,
+    weights: Path | None = None,
+    device: str = "cpu",
 ) -> Values:
     """Style distance (n,) of each picture to the mean Gram matrices of another set, by VGG-19; 0 is alike.
 
@@ -129,28 +134,37 @@ def gram_style(
         Restrict the Gram matrices to the pixels of the masks; a picture with an empty mask is NaN.
     weights : Path, optional
         torchvision's ``vgg19-dcbb9e9d.pth``; that in PyTorch's cache unless stated.
+    device : str
+        PyTorch's name of the device that the network runs on.
 
     Raises
     ------
     UsageError
         No weights, or pictures that are too small or too large.
     """
-    return style_distances("gram_style", pictures, others, [(mask, others_mask)], weights)[0]
+    return style_distances("gram_style", pictures, others, [(mask, others_mask)], weights, device)[0]
 
 
-def gram_style_random(pictures: Any, others: Any, mask: Any = None, others_mask: Any = None) -> Values:
+def gram_style_random(
+    pictures: Any, others: Any, mask: Any = None, others_mask: Any = None, device: str = "cpu"
+) -> Values:
     """Style distance (n,) by the features of a random network; its values cannot be compared with ``gram_style``.
 
     Parameters
     ----------
-    pictures, others, mask, others_mask : arrays
+    pictures, others, mask, others_mask, device
         As in `gram_style`.
     """
-    return style_distances("gram_style_random", pictures, others, [(mask, others_mask)])[0]
+    return style_distances("gram_style_random", pictures, others, [(mask, others_mask)], device=device)[0]
 
 
 def style_distances(
-    name: str, pictures: Any, others: Any, masks: Sequence[tuple[Any, Any]], weights: Path | None = None
+    name: str,
+    pictures: Any,
+    others: Any,
+    masks: Sequence[tuple[Any, Any]],
+    weights: Path | None = None,
+    device: str = "cpu",
 ) -> list[Values]:
     """Style distances (n,) for each of several pairs of masks, by one pass through the network.
 
@@ -164,6 +178,8 @@ def style_distances(
         Masks as in `gram_style`; None for the full frame.
     weights : Path, optional
         Official weights of VGG-19; those in PyTorch's cache unless stated.
+    device : str
+        PyTorch's name of the device that the network runs on.
 
     Returns
     -------
@@ -171,7 +187,7 @@ def style_distances(
         Distances for each pair of masks.
     """
     if name == "gram_style_random":
-        return _distances(random_features(), pictures, others, masks)
+        return _distances(random_features().to(device), pictures, others, masks)
     path = find_weights(weights)
     if path is None:
         raise UsageError(
@@ -179,7 +195,7 @@ def style_distances(
             f"{WEIGHTS} in PyTorch's cache, or a path to it",
             "Take `gram_style_random` instead: another measure under another name.",
         )
-    return _distances(vgg19_features(path), pictures, others, masks)
+    return _distances(vgg19_features(path).to(device), pictures, others, masks)
 
 
 def style_score(weights: Path | None = None) -> str:
@@ -251,9 +267,11 @@ def _layer_grams(network: nn.Sequential, pictures: Tensor, weights: Sequence[Ten
     """Gram matrices (k, c, c) of each style layer of pictures (k, H, W, 3), for each weight (k, H, W) of the pixels."""
     import torch
 
+    device = next(network.parameters()).device
     # colours as the weights were trained on
-    values = pictures.permute(0, 3, 1, 2).float() / 255
-    values = (values - torch.tensor(MEAN).view(3, 1, 1)) / torch.tensor(SPREAD).view(3, 1, 1)
+    values = pictures.to(device).permute(0, 3, 1, 2).float() / 255
+    mean, spread = (torch.tensor(channels, device=device).view(3, 1, 1) for channels in (MEAN, SPREAD))
+    values = (values - mean) / spread
     grams: list[list[Values]] = [[] for _ in weights]
     for number, part in enumerate(list(network)[: max(STYLE_LAYERS) + 1]):
         values = part(values)
@@ -261,10 +279,10 @@ def _layer_grams(network: nn.Sequential, pictures: Tensor, weights: Sequence[Ten
             flat = values.flatten(2)
             for kept, weight in zip(grams, weights, strict=True):
                 # the share of each place of the layer that the mask covers
-                share = torch.nn.functional.adaptive_avg_pool2d(weight[:, None].float(), values.shape[2:])
+                share = torch.nn.functional.adaptive_avg_pool2d(weight[:, None].to(device).float(), values.shape[2:])
                 places = share.sum(dim=(2, 3))[..., None]
                 gram = (flat * share.flatten(2)) @ flat.transpose(1, 2) / places
-                kept.append(gram.double().numpy())
+                kept.append(gram.double().cpu().numpy())
     return grams
 
 

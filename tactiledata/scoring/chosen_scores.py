@@ -22,7 +22,7 @@ TSNE = "tsne"
 """Name of the picture of latent vectors; the scores that go with it are those of the metric ``embedding``."""
 
 
-def chosen_scores(names: Sequence[str], weights: Path | None = None) -> list[tuple[str, Score]]:
+def chosen_scores(names: Sequence[str], weights: Path | None = None, device: str = "cpu") -> list[tuple[str, Score]]:
     """Return the named scores of sets, each with the name of its metric.
 
     A name is that of a score, or of a metric for all its scores. ``gram_style`` is the distance by the official weights
@@ -34,6 +34,8 @@ def chosen_scores(names: Sequence[str], weights: Path | None = None) -> list[tup
         Names of scores or metrics, or ``tsne``; ``kept_touch`` is left out, as it compares no two sets.
     weights : Path, optional
         Official weights of VGG-19; those in PyTorch's cache by default.
+    device : str
+        PyTorch's name of the device that the network of a style distance runs on.
 
     Raises
     ------
@@ -49,7 +51,7 @@ def chosen_scores(names: Sequence[str], weights: Path | None = None) -> list[tup
     for name in names:
         if name == KEPT:
             continue
-        for metric, score in _named(name, able, weights):
+        for metric, score in _named(name, able, weights, device):
             chosen[score.name] = (metric, score)
     if {STYLE, f"{STYLE}_random"} <= set(chosen):
         raise UsageError(
@@ -60,7 +62,7 @@ def chosen_scores(names: Sequence[str], weights: Path | None = None) -> list[tup
     return list(chosen.values())
 
 
-def _named(name: str, able: dict[str, Any], weights: Path | None) -> list[tuple[str, Score]]:
+def _named(name: str, able: dict[str, Any], weights: Path | None, device: str) -> list[tuple[str, Score]]:
     """Return the scores that one name stands for, each with the name of its metric.
 
     Parameters
@@ -71,12 +73,15 @@ def _named(name: str, able: dict[str, Any], weights: Path | None) -> list[tuple[
         Scores of all metrics of sets.
     weights : Path, optional
         Official weights of VGG-19.
+    device : str
+        Device of the network of a style distance.
     """
     if name == STYLE:
         from tactiledata.metrics.gram_style import style_score
 
         score = able[STYLE][style_score(weights)]
-        return [(STYLE, replace(score, compute=partial(score.compute, weights=weights)) if weights else score)]
+        stated = {"device": device, **({"weights": weights} if weights else {})}
+        return [(STYLE, replace(score, compute=partial(score.compute, **stated)))]
     if name == TSNE:
         return [("embedding", score) for score in able["embedding"].values()]
     if name in able:

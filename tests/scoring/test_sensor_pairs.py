@@ -117,6 +117,14 @@ def test_sizes_are_compared_before_anything_is_decoded(store, monkeypatch):
         load_pictures(store, one)
 
 
+def test_a_style_distance_runs_on_the_named_device():
+    """The device is handed to the score; on the processor the values are those of the score itself."""
+    (_, score), (_, plain) = (*chosen_scores(["gram_style"], device="cpu"), *chosen_scores(["gram_style"]))
+    pictures = np.random.default_rng(0).integers(0, 255, (2, 32, 32, 3)).astype(np.uint8)
+    np.testing.assert_array_equal(score.compute(pictures, pictures[::-1]), plain.compute(pictures, pictures[::-1]))
+    assert chosen_scores(["gram_style"], device="cuda")[0][1].compute.keywords["device"] == "cuda"
+
+
 def test_all_pairs_or_all_against_one(store):
     """Unnamed, every pair once; against one, every other set once, and it is the second."""
     sets, scores = sensor_sets(store, 1000), chosen_scores(["shade"])

@@ -42,10 +42,13 @@ def objective(dropout=(0.2,), seed=0):
         return Regression(Projection(6, 3, (16, 16, 3), dropout), "given", "target")
 
 
-def learn(folder, epochs=4, pause=0.0, save_seconds=1e9, dropout=(0.2,), tell=None, schedule="decay", **changes):
+def learn(
+    folder, epochs=4, pause=0.0, save_seconds=1e9, dropout=(0.2,), tell=None, schedule="decay", accumulate=1, **changes
+):
     options = TrainOptions(
-        epochs=epochs, batch_size=8, learning_rate=0.01, schedule=schedule, decay=0.99, save_seconds=save_seconds
-    )
+        epochs, batch_size=8, learning_rate=0.01, schedule=schedule, decay=0.99, save_seconds=save_seconds,
+        accumulate=accumulate,
+    )  # fmt: skip
     arguments = {"stamps": STAMPS, "items": items(pause=pause), "objective": objective(dropout), **changes}
     device = torch.device("cpu")
     with processes(device) as ranks:

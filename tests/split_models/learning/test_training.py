@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -59,6 +60,30 @@ def test_one_cycle_of_the_learning_rate(tmp_path):
     trained = learn(tmp_path, epochs=12, schedule="one_cycle")
     assert trained.rows[-1]["train_loss"] < 0.5 * trained.rows[0]["train_loss"]
     assert trained.rows[-1]["learning_rate"] < 0.2 * trained.rows[2]["learning_rate"]
+
+
+@pytest.mark.parametrize("pieces", [2, 3, 8, 50])
+def test_a_batch_in_pieces_teaches_what_it_teaches_whole(tmp_path, pieces):
+    """Losses and weights are the same to rounding, also where pieces differ in size; each piece is as small as said."""
+    seen = []
+    learner = objective(dropout=())
+    learner.register_forward_pre_hook(
+        lambda module, given: seen.append(len(given[0]["given"])) if module.training else None
+    )
+    whole = learn(tmp_path / "whole", dropout=())
+    parted = learn(tmp_path / "parted", objective=learner, accumulate=pieces)
+    np.testing.assert_allclose(losses(parted), losses(whole), rtol=1e-4)
+    for one, other in zip(parted.network.parameters(), whole.network.parameters(), strict=True):
+        torch.testing.assert_close(one, other, rtol=1e-3, atol=1e-5)
+    assert max(seen) == -(-8 // min(pieces, 8))
+
+
+def test_pieces_shape_a_model_and_one_piece_is_as_before():
+    """The options that name a model's folder have pieces where there are several, and never the time between files."""
+    plain = TrainOptions(3, 8)
+    assert "accumulate" not in plain.shaping
+    assert replace(plain, save_seconds=5.0).shaping == plain.shaping
+    assert replace(plain, accumulate=2).shaping == {**plain.shaping, "accumulate": 2}
 
 
 class Stop(Exception):

@@ -5,6 +5,7 @@ import json
 import cv2
 import numpy as np
 import pytest
+import torch
 from cli.command import run_command
 from copied_trees import copy_tree
 from small_models import image_vae
@@ -13,7 +14,9 @@ from transfer_stores import write_two_sensors
 from split_models.commands.transfer import method_help
 from split_models.learning.checkpoint import Checkpoint, TrainedOn, save_checkpoint
 from split_models.transfer import transfer_picture
-from split_models.transfer.methods import LATENT
+from split_models.transfer.latent_vectors import vectors_by_model
+from split_models.transfer.method_choice import choose_method
+from split_models.transfer.methods import BUNDLED_MODEL, LATENT, transfer_method
 from split_models.transfer.pixels import PIXEL_TRANSFERS
 from split_models.transfer.transfer_picture import sheet, titled
 from tactiledata.sensors.backgrounds import load_background
@@ -59,6 +62,7 @@ def test_as_typed_in_the_folder_of_a_store(folder, capsys):
         (["--to", "ycb-sensorA", "--method", "reinhard", "--out", "ds.zarr"], 2, "into itself"),
         (["nowhere.zarr", "--to", "ycb-sensorA"], 2, "nowhere.zarr"),
         (["--method", "reinhard"], 2, "--to"),
+        (["--to", "ycb-sensorA", "--device", "tpu"], 2, "unknown device 'tpu'"),
     ],
 )
 def test_wrong_calls(folder, capsys, words, code, says):
@@ -77,6 +81,19 @@ def test_latent_without_a_model_says_what_to_do(folder, capsys, monkeypatch):
     assert code == 2
     assert "tactiledata train RECIPE" in err
     assert "--method background-swap" in err
+
+
+def test_networks_run_on_the_named_device(monkeypatch):
+    """The name of the device reaches the network of a method, of the choice and of latent vectors."""
+    asked = []
+    monkeypatch.setattr(
+        "split_models.transfer.latent_transfer.find_device", lambda name: asked.append(name) or torch.device("meta")
+    )
+    method = transfer_method("latent", None, "cuda")
+    assert method.vae.device.type == "meta"
+    assert choose_method(None, None, [], "cuda").method.name == "relit"
+    vectors_by_model(BUNDLED_MODEL, "cuda")
+    assert asked == ["cuda"] * 3
 
 
 def test_the_default_needs_no_model(folder, capsys, monkeypatch):

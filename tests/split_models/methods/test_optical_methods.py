@@ -7,7 +7,7 @@ from small_models import grid_topology, mesh_vae, presses
 from split_models.methods.across import AcrossMethod
 from split_models.methods.fots import ColourNetwork, change_by, fots_calibrated, fots_published, learned_colours
 from split_models.methods.optical_method import OpticalMethod
-from split_models.methods.taxim import taxim_calibrated, taxim_published
+from split_models.methods.taxim import taxim_calibrated, taxim_published, taxim_registered
 from tactiledata.errors import UsageError
 from tactiledata.metrics.image_similarity import l1
 from tactiledata.optics.height_map import Indentation, contact_mask
@@ -59,6 +59,17 @@ def test_published_methods_leave_untouched_pictures_alone(made):
     assert changed.max() > 20
     far = Indentation(SURFACE, View.nominal(DIGIT, SHAPE)).of(presses(TOPOLOGY, 1)[0]) < 1e-6
     assert changed[far].max() <= 3
+
+
+def test_a_registered_camera_changes_nothing_but_the_view():
+    """Through the nominal camera the picture is the published one; through a shifted camera it is shifted."""
+    moved = presses(TOPOLOGY, 1)
+    published = taxim_published(SURFACE).predict(moved, BACKGROUND)
+    view = View.nominal(DIGIT)
+    np.testing.assert_array_equal(taxim_registered(SURFACE, view, []).predict(moved, BACKGROUND), published)
+    shift = np.array([[1.0, 0.0, 12.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    shifted = taxim_registered(SURFACE, View(view.shape, view.gel_from_pixel @ shift), [])
+    assert np.abs(shifted.predict(moved, BACKGROUND).astype(int) - published).max() > 5
 
 
 @pytest.mark.parametrize(("made", "share"), [(taxim_calibrated, 0.25), (fots_calibrated, 0.35)])

@@ -143,6 +143,23 @@ def test_a_mean_over_sources_is_their_mean(touch_store, out):
     assert of["mean over sources", ""]["value"] == pytest.approx(total)
 
 
+def test_rows_are_compared_with_the_swap_frame_by_frame(touch_store, out):
+    """Differences of means are means of differences, for both kinds of rows; a recipe's titles name them."""
+    run = recipe_run(out, touch_store, out, methods=["no_contact", "background_swap"], titles={"no_contact": "nothing"})
+    rows = alignment_rows(run)
+    less = [row for row in rows if row["part"].endswith("each row less background swap (Synth.)")]
+    assert {row["transfer"] for row in less} == {AS_RECORDED, "no_contact"}
+    assert {row["part"].partition(", each row")[0] for row in less} >= {f"A: {UNSEEN}, mean over sources"}
+    of = {(row["part"], row.get("transfer")): row["scores"] for row in rows}
+    for row in less:
+        part = row["part"].partition(", each row")[0]
+        score = "histogram_correlation" if "mean" in part else "l1"
+        own, swap = (of[part, name][score]["value"] for name in (row["transfer"], "background_swap"))
+        assert row["scores"][score]["value"] == pytest.approx(own - swap)
+        if row["transfer"] == "no_contact":
+            assert row["method"] == "nothing (Synth.)"
+
+
 @pytest.mark.parametrize(
     ("changes", "error", "says"),
     [

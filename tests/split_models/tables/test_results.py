@@ -3,7 +3,8 @@
 import json
 
 from split_models.recipe.recipe import load_recipe
-from split_models.tables.results import cell, markdown, result_document, write_result
+from split_models.recipe.recipe_defaults import DEFAULTS
+from split_models.tables.results import cell, markdown, mesh_facts, result_document, write_result
 
 
 def row(part, method, **scores):
@@ -33,7 +34,7 @@ def test_the_page_has_every_part_and_the_papers_own_figures_apart(tmp_path):
     document = result_document(recipe, rows, "d" * 64)
     text = markdown(document)
     assert "`tactiledata run table_mesh --scale small`, seed 0." in text
-    assert "| SPLIT | 0.02 [0.01, 0.03] |" in text
+    assert "| SPLIT with our image VAE | 0.02 [0.01, 0.03] |" in text
     assert "rmse in contact, mm ↓" in text
     seen, unseen = text.split("## test_unseen")
     assert "another data set" not in seen
@@ -41,6 +42,31 @@ def test_the_page_has_every_part_and_the_papers_own_figures_apart(tmp_path):
     paths = write_result(tmp_path, document)
     assert json.loads(paths["json"].read_text())["rows"] == rows
     assert paths["markdown"].read_text() == text
+
+
+def test_titles_of_a_recipe_go_before_the_usual_ones():
+    """At small scale the paper's names are of rows with the paper's image VAE, and of the paper's own figures."""
+    recipe = load_recipe("table_digit_images")
+    rows = [row("test", "plain:split", l1=score(2.0)), row("test", "split", l1=score(1.0))]
+    text = markdown(result_document(recipe, rows, "d" * 64))
+    assert "| SPLIT | 2 |" in text
+    assert "| SPLIT with our image VAE | 1 |" in text
+    assert "| SPLIT | 5.911 |" in text
+    assert "Meshes, of all rows: low resolution, surface nodes, finite-strain, a material calibrated on" in text
+    paper = load_recipe("table_digit_images", "paper")
+    assert "plain:split" not in paper.rows["methods"]
+    assert "| SPLIT | 1 |" in markdown(result_document(paper, rows[1:], "d" * 64))
+
+
+def test_a_store_of_ones_own_has_its_meshes_page():
+    """Of a store that a recipe did not make, nothing is said about its meshes; a planted material is called that."""
+    assert mesh_facts({"world": None, "store": "ds.zarr"}) == ""
+    replay = {**DEFAULTS["data"]["replay"], "material": "planted"}
+    assert "with which the world was recorded" in mesh_facts({"world": "tiny", "replay": replay})
+    stated = {**replay, "youngs_modulus": 9e5, "poisson_ratio": 0.48, "friction": 0.7}
+    assert mesh_facts({"world": "tiny", "replay": stated}).endswith(
+        "youngs modulus 900000, poisson ratio 0.48, friction 0.7"
+    )
 
 
 def test_seeds_are_counted_by_row():

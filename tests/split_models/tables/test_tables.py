@@ -92,7 +92,12 @@ def test_the_table_of_pictures_from_nothing(touch_store, out, monkeypatch, capsy
     assert code == 0, err
     document = json.loads(printed)
     rows = {(row["part"], row["method"]): row["scores"] for row in document["rows"]}
-    assert {part for part, _ in rows} == {"test", "test_unseen"}
+    parts = ["test", "test_unseen"]
+    assert list(dict.fromkeys(part for part, _ in rows)) == [
+        title for part in parts for title in (part, f"{part}, each row less SPLIT")
+    ]
+    less = rows["test, each row less SPLIT", "no_contact"]["l1"]["value"]
+    assert less == pytest.approx(rows["test", "no_contact"]["l1"]["value"] - rows["test", "split"]["l1"]["value"])
     assert [method for part, method in rows if part == "test"] == ["no_contact", "end_to_end", "nosplit", "split"]
     plain = rows["test_unseen", "no_contact"]
     assert set(plain) == {f"{name}{where}" for name in ("l1", "mse", "ssim", "psnr") for where in ("", "_contact")}

@@ -55,6 +55,7 @@ def test_it_learns_and_again_is_no_change(touch_store, place, capsys):
         (["--camera", "digitt"], 2, "digit"),
         (["--epochs", "0"], 2, "epochs"),
         (["--learning-rate", "-1"], 2, "learning-rate"),
+        (["--device", "tpu"], 2, "tpu"),
         (["--model", "nowhere.ckpt"], 2, "nowhere.ckpt"),
         (["--model", "mesh.ckpt"], 1, "an image_vae"),
     ],
