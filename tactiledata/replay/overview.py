@@ -56,7 +56,7 @@ def mesh_section(store: Store, name: str) -> Section:
     touches = [replayed_touch(store, mesh, row) for row in _chosen(store, mesh)]
     caption = (
         "Firm touches, one per sensor and indenter. Left: the gel's outer surface at the largest simulated force, "
-        "coloured by how far it moved (height doubled). Right: measured (lines) and simulated (dots) contact force; "
+        "coloured by how far it moved (height doubled). Right: measured (dots) and simulated (lines) contact force; "
         "dotted: the moment that is shown."
     )
     heading = simulated_recordings(store).heading

@@ -83,19 +83,21 @@ def _surface(axes: Any, touch: ReplayedTouch) -> None:
 
 
 def _forces(axes: Axes, touch: ReplayedTouch, is_first: bool, is_last: bool) -> None:
-    """Draw measured and simulated forces over time."""
+    """Draw measured forces as dots and simulated forces as lines, over time."""
     for column, name in enumerate(("fx", "fy", "fz")):
         label = f"{name[0].upper()}{name[1]}"
         colour = AXIS_COLOURS[name]
-        axes.plot(touch.seconds, touch.measured[:, column], color=colour, linewidth=0.8, label=f"{label} measured")
         axes.plot(
-            touch.frame_seconds, touch.simulated[:, column], "o--", color=colour, markersize=3.5, linewidth=0.8,
-            label=f"{label} simulated",
+            touch.seconds, touch.measured[:, column], ".", color=colour, markersize=1.5, alpha=0.4,
+            label=f"{label} measured",
         )  # fmt: skip
+        axes.plot(
+            touch.frame_seconds, touch.simulated[:, column], color=colour, linewidth=1.2, label=f"{label} simulated"
+        )
     axes.axvline(touch.shown_second, color="black", linewidth=0.6, linestyle=":")
     axes.set_ylabel("N (gel frame)", fontsize=8)
     axes.tick_params(labelsize=8)
     if is_first:
-        axes.legend(fontsize=7, ncols=3, loc="lower right", bbox_to_anchor=(1, 1), frameon=False)
+        axes.legend(fontsize=7, ncols=3, loc="lower right", bbox_to_anchor=(1, 1), frameon=False, markerscale=4)
     if is_last:
         axes.set_xlabel("seconds from the start of the trajectory", fontsize=8)
