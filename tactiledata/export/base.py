@@ -1,0 +1,118 @@
+"""What every format of exports offers: files that can be written one by one, and what it cannot keep."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+
+from tactiledata.export.episodes import Episodes, FrameBatch
+from tactiledata.export.plan import ExportPlan
+
+FileFacts = Mapping[str, Any]
+"""What a format notes of a file that it wrote, as JSON values; `Exporter.finish` gets them back, in order."""
+
+
+@dataclass(frozen=True)
+class ExportedFile:
+    """One large file of an export, which is written as a whole.
+
+    Parameters
+    ----------
+    path : str
+        Inside the export's folder, with ``/``.
+    start, stop : int
+        Episodes (or recordings) that it holds: [start, stop).
+    frames : int
+        Frames that it holds, for progress.
+    """
+
+    path: str
+    start: int
+    stop: int
+    frames: int
+
+
+class Exporter(ABC):
+    """A format. Equal stores and options give equal bytes.
+
+    Attributes
+    ----------
+    name, title : str
+        The word after ``--to``, and what it is, for people.
+    needs_split : bool
+        Whether data is trained on from it, so that a split must be named.
+    lost : tuple of str
+        Sentences that say what of a store the format does not keep.
+    front_matter : bool
+        Whether its page for people begins with lines of YAML.
+    """
+
+    name: ClassVar[str]
+    title: ClassVar[str]
+    needs_split: ClassVar[bool] = True
+    lost: ClassVar[Sequence[str]] = ()
+
+    @abstractmethod
+    def files(self, episodes: Episodes, plan: ExportPlan) -> Sequence[ExportedFile]:
+        """Return the large files of an export, by tables alone; nothing is read but these."""
+
+    @abstractmethod
+    def write(self, episodes: Episodes, file: ExportedFile, path: Path, advance: Callable[[int], None]) -> FileFacts:
+        """Write one large file and return what is noted of it.
+
+        Parameters
+        ----------
+        episodes : Episodes
+            What is exported.
+        file : ExportedFile
+            Which of it.
+        path : Path
+            Where the file is written; it counts only once this function has returned.
+        advance : callable
+            Called with the number of frames written since the last call.
+        """
+
+    @abstractmethod
+    def finish(self, episodes: Episodes, files: Sequence[ExportedFile], facts: Callable[[], Iterator[FileFacts]],
+               folder: Path) -> None:  # fmt: skip
+        """Write the small files that stand beside the large ones.
+
+        Parameters
+        ----------
+        episodes : Episodes
+            What is exported.
+        files : sequence of ExportedFile
+            The large files.
+        facts : callable
+            Gives what was noted of each of them, one after another.
+        folder : Path
+            Where the export is made.
+        """
+
+    @abstractmethod
+    def kept_as(self, stream: str, episodes: Episodes) -> str:
+        """Return the name under which the format keeps a stream."""
+
+    @abstractmethod
+    def snippet(self, episodes: Episodes, files: Sequence[ExportedFile]) -> str:
+        """Return lines of Python that read the export, run beside it, by the format's own loader."""
+
+    def remarks(self, episodes: Episodes) -> list[str]:
+        """Return sentences that say what this export, beside what all of the format do, changes or derives."""
+        return []
+
+    def front_matter(self, episodes: Episodes, files: Sequence[ExportedFile]) -> str:
+        """Return lines of YAML with which the page for people begins; empty for none."""
+        return ""
+
+
+def count_missing(missing: dict[str, int], batch: FrameBatch) -> None:
+    """Add the frames of a batch at which a stream has no value to the counts by stream."""
+    for name, values in batch.values.items():
+        if lacking := int((~np.isfinite(values)).any(axis=1).sum()):
+            missing[name] = missing.get(name, 0) + lacking

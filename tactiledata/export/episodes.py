@@ -1,0 +1,362 @@
+"""Which trajectories of a store go out, in which part, with which frames and values; read batch by batch."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+from numpy.typing import NDArray
+
+from tactiledata.errors import MissingSplit, StoreError, UnknownName, UsageError
+from tactiledata.export.meanings import stream_facts
+from tactiledata.export.pictures import encoded_picture
+from tactiledata.export.plan import NO_ACTION, NO_SPLIT, ExportPlan
+from tactiledata.loaders.index import FrameIndex, build_index
+from tactiledata.loaders.selection import ALL, FILTERED, select
+from tactiledata.loaders.streams import Stream, find_streams, values_at_frames
+from tactiledata.splits.manifest import load_split, partition_rows
+from tactiledata.splits.options import PARTITIONS
+from tactiledata.store.read.reader import Store
+from tactiledata.store.read.simulated import trajectory_kinds
+
+UNSPLIT = "unsplit"
+"""The only part where no split is named."""
+BATCH_FRAMES = 64
+BATCH_BYTES = 32 * 2**20
+"""Bytes of pictures that a batch holds at most, unless a single one is larger."""
+WITHOUT_CONTACT = "of trajectories of which the split takes no frame"
+VECTORS = ("aligned", "frame_value", "mesh_wrench")
+"""Kinds of streams that have a row of numbers a frame."""
+
+
+@dataclass(frozen=True)
+class FrameBatch:
+    """Neighbouring frames of one episode.
+
+    Parameters
+    ----------
+    episode : int
+    first : int
+        Place of the first frame in the episode.
+    rows, t_ns : (n,) int64
+        Rows in the store, and the host clock in ns.
+    in_split : (n,) bool
+        Whether the split's contact filter takes the frame.
+    pictures : list of (bytes, kind, unchanged)
+        Encoded pictures, ``jpeg`` or ``png``, and whether they are the store's bytes.
+    values : dict of (n, k) float64
+        By stream; NaN where nothing was recorded. The action is called ``action``.
+    """
+
+    episode: int
+    first: int
+    rows: NDArray[np.int64]
+    t_ns: NDArray[np.int64]
+    in_split: NDArray[np.bool_]
+    pictures: Sequence[tuple[bytes, str, bool]]
+    values: Mapping[str, NDArray[np.float64]]
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+
+@dataclass(frozen=True)
+class EpisodeFacts:
+    """Who touched what, a value for each episode.
+
+    Parameters
+    ----------
+    uids, names, sensors, indenters : lists of str
+    kinds : list of "simulated", "real" or "not stated"
+    """
+
+    uids: list[str]
+    names: list[str]
+    sensors: list[str]
+    indenters: list[str]
+    kinds: list[str]
+
+
+@dataclass(frozen=True)
+class Episodes:
+    """Trajectories that are exported, those of one part side by side, each with its readable frames.
+
+    Parameters
+    ----------
+    store : Store
+    camera : str
+        Empty where the store has no camera.
+    streams : tuple of Stream
+        With a row of numbers a frame.
+    action : Stream, optional
+        Its value at the next frame is the action.
+    index : FrameIndex
+        An item is an episode.
+    parts : tuple of str
+        The part of each episode.
+    left_out : dict
+        Reason -> number of frames that do not go out.
+    """
+
+    store: Store
+    camera: str
+    streams: tuple[Stream, ...]
+    action: Stream | None
+    index: FrameIndex
+    parts: tuple[str, ...]
+    left_out: Mapping[str, int] = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        return len(self.index)
+
+    @property
+    def trajectories(self) -> NDArray[np.int64]:
+        """Rows (n,) of the episodes in the store's table of trajectories."""
+        return self.index.trajectory[self.index.starts[:-1]].astype(np.int64)
+
+    @property
+    def lengths(self) -> NDArray[np.int64]:
+        """Number of frames (n,) of each episode."""
+        return np.diff(self.index.starts)
+
+    def part_ranges(self) -> dict[str, tuple[int, int]]:
+        """Return the range of episodes [start, stop) of each part that has any, in order."""
+        ranges: dict[str, tuple[int, int]] = {}
+        for number, part in enumerate(self.parts):
+            ranges[part] = (ranges.get(part, (number, 0))[0], number + 1)
+        return ranges
+
+    @cached_property
+    def facts(self) -> EpisodeFacts:
+        """Who touched what in each episode."""
+        table = self.store.trajectories(["uid", "trajectory", "sensor", "indenter"]).take(self.trajectories)
+        kinds = trajectory_kinds(self.store)
+        columns = (table[name].to_pylist() for name in table.column_names)
+        uids, names, sensors, indenters = ([value or "" for value in column] for column in columns)
+        return EpisodeFacts(uids, names, sensors, indenters, [kinds[row] for row in self.trajectories.tolist()])
+
+    @cached_property
+    def stream_facts(self) -> dict[str, dict[str, Any]]:
+        """Columns, units, frame and meaning of each stream, as JSON values."""
+        return {stream.name: stream_facts(self.store, stream) for stream in self.streams}
+
+    @cached_property
+    def picture_sizes(self) -> NDArray[np.int64]:
+        """Height and width (n_frames, 2) of the frames."""
+        frames = self.store.frames(["height", "width"]).take(self.index.rows)
+        return np.stack([frames[name].to_numpy().astype(np.int64) for name in ("height", "width")], axis=1)
+
+    @cached_property
+    def is_raw(self) -> NDArray[np.bool_]:
+        """Whether each frame (n_frames,) is kept as pixels, not as a JPEG or PNG file."""
+        encodings = self.store.frames(["encoding"]).take(self.index.rows)["encoding"].cast(pa.string())
+        return np.asarray(pc.equal(encodings, "raw").combine_chunks().to_numpy(zero_copy_only=False), bool)
+
+    @cached_property
+    def frame_bytes(self) -> NDArray[np.int64]:
+        """Size (n_frames,) in bytes of the frames' pictures, as the store keeps them; of raw ones unpacked."""
+        lengths = self.store.frames(["length"]).take(self.index.rows)["length"].to_numpy()
+        return np.where(lengths > 0, lengths, self.picture_sizes.prod(axis=1) * 3).astype(np.int64)
+
+    def groups(self, largest: int) -> list[tuple[int, int]]:
+        """Return ranges of episodes [start, stop), none over two parts, whose pictures have about ``largest`` bytes."""
+        sizes = np.add.reduceat(self.frame_bytes, self.index.starts[:-1]) if len(self) else np.empty(0, np.int64)
+        ranges = []
+        for start, stop in self.part_ranges().values():
+            first, held = start, 0
+            for number in range(start, stop):
+                if number > first and held + sizes[number] > largest:
+                    ranges.append((first, number))
+                    first, held = number, 0
+                held += int(sizes[number])
+            ranges.append((first, stop))
+        return ranges
+
+    def batches(self, start: int, stop: int, pictures: bool = True) -> Iterator[FrameBatch]:
+        """Yield the frames of the episodes [start, stop) in order, a bounded number at a time.
+
+        Parameters
+        ----------
+        start, stop : int
+            First episode, and the episode after the last.
+        pictures : bool
+            Whether pictures are read.
+        """
+        for episode in range(start, stop):
+            first, end = int(self.index.starts[episode]), int(self.index.starts[episode + 1])
+            place = first
+            while place < end:
+                reach = np.cumsum(self.frame_bytes[place : min(place + BATCH_FRAMES, end)])
+                count = max(1, int(np.searchsorted(reach, BATCH_BYTES, side="right")))
+                yield self._batch(episode, first, place, min(place + count, end), end, pictures)
+                place += count
+
+    def _batch(self, episode: int, first: int, start: int, stop: int, end: int, pictures: bool) -> FrameBatch:
+        rows = self.index.rows[start:stop]
+        values = {stream.name: values_at_frames(self.store, stream, rows) for stream in self.streams}
+        if self.action is not None:
+            following = np.minimum(np.arange(start, stop) + 1, end - 1)
+            values["action"] = values_at_frames(self.store, self.action, self.index.rows[following])
+        return FrameBatch(
+            episode,
+            start - first,
+            rows,
+            self.index.t_ns[start:stop],
+            self.index.in_split[start:stop],
+            self._pictures(start, stop) if pictures and self.camera else (),
+            values,
+        )
+
+    def _pictures(self, start: int, stop: int) -> list[tuple[bytes, str, bool]]:
+        """Return the encoded pictures of frames, by their places, each held against its checksum."""
+        rows = self.index.rows[start:stop]
+        sizes = self.picture_sizes[start:stop].tolist()
+        pictures = []
+        for row, is_raw, (height, width), payload in zip(
+            rows.tolist(), self.is_raw[start:stop].tolist(), sizes, self.store.encoded(rows), strict=True
+        ):
+            if payload is None:
+                raise StoreError(f"frame {row} of {self.store.location} has no image", "a frame with an image")
+            pictures.append(encoded_picture(payload, is_raw, height, width))
+        return pictures
+
+
+def find_episodes(store: Store, plan: ExportPlan, may_be_empty: bool = False) -> Episodes:
+    """Return what an export of a store holds.
+
+    Parameters
+    ----------
+    store : Store
+        What is exported.
+    plan : ExportPlan
+        Split, camera, streams and action.
+    may_be_empty : bool
+        Whether a store without a readable frame may go out.
+
+    Raises
+    ------
+    MissingSplit, UnknownName, LeakError
+        No split is named where several or none are there, it does not exist, or it is out of date.
+    UsageError
+        Several cameras and none is named, a stream that has no row of numbers a frame, or no frame at all.
+    """
+    camera = _camera(store, plan.camera)
+    streams = _streams(store, plan.streams)
+    action = next(iter(_streams(store, (plan.action,))), None) if plan.action in store.aligned_names else None
+    if action is None and plan.action not in (NO_ACTION, "tcp"):
+        raise UnknownName("stream for the action", plan.action, [*store.aligned_names, NO_ACTION])
+    is_parted = plan.split != NO_SPLIT
+    named = {part: f"{plan.split}/{part}" for part in PARTITIONS} if is_parted else {UNSPLIT: ALL}
+    indexes: list[FrameIndex] = []
+    parts: list[str] = []
+    left_out: dict[str, int] = {}
+    for part, name in named.items():
+        selection = select(store, name, camera or None, whole=is_parted, allow_leaks=True)
+        index = build_index(store, selection, "trajectory")
+        indexes.append(index)
+        parts += [part] * len(index)
+        for reason, count in selection.report.left_out.items():
+            # of whole trajectories nothing is filtered: these have no frame that the split takes
+            words = WITHOUT_CONTACT if reason == FILTERED else reason
+            left_out[words] = left_out.get(words, 0) + count
+    index = _joined(indexes)
+    if not len(index) and not may_be_empty:
+        raise UsageError(
+            f"no frame of {store.location} goes out: no trajectory has one in {plan.split!r}",
+            "at least one trajectory with a readable frame",
+            "`tactiledata info` shows what the store holds; --split none takes all trajectories.",
+        )
+    excluded = _excluded(store, plan)
+    outside = store.n_frames - len(index.rows) - sum(left_out.values()) - excluded
+    left_out |= {"of trajectories that the split excludes": excluded, "outside any trajectory": outside}
+    left_out = {reason: count for reason, count in left_out.items() if count}
+    return Episodes(store, camera, streams, action, index, tuple(parts), left_out)
+
+
+def chosen_split(store: Store, named: str | None, needs_split: bool) -> str:
+    """Return the split that an export follows: the named one, else ``default``.
+
+    Raises
+    ------
+    MissingSplit
+        None is named, and there is no split called default.
+    """
+    if named is not None:
+        if named != NO_SPLIT:
+            load_split(store, named)
+        return named
+    names = store.split_names()
+    if "default" in names:
+        return "default"
+    if not needs_split and not names:
+        return NO_SPLIT
+    listed = f"it has {', '.join(names)}" if names else "it has none yet"
+    raise MissingSplit(
+        f"no split is named, and the store {store.location} has none that is called default ({listed})",
+        "a split, so that nobody tests on what was learned from",
+        f"`tactiledata split {store.location}` makes one; --split NAME takes another; --split none exports unparted.",
+    )
+
+
+def _camera(store: Store, named: str) -> str:
+    if named:
+        if named not in store.cameras:
+            raise UnknownName("camera", named, store.cameras)
+        return named
+    if len(store.cameras) > 1:
+        raise UsageError(
+            f"the store {store.location} has {len(store.cameras)} cameras: {', '.join(store.cameras)}",
+            "one: a frame is one image of one camera",
+            "Name it with --camera, and make an export for each.",
+        )
+    return next(iter(store.cameras), "")
+
+
+def _streams(store: Store, names: Sequence[str] | None) -> tuple[Stream, ...]:
+    chosen = (*store.aligned_names, *store.frame_value_names) if names is None else tuple(names)
+    if not chosen:
+        return ()
+    streams = find_streams(store, tuple(dict.fromkeys(chosen)), "frame")
+    for stream in streams:
+        if stream.kind not in VECTORS:
+            raise UsageError(
+                f"the stream {stream.name!r} ({stream.kind}) has no row of numbers a frame",
+                "values at the frames: signals, annotated values, mesh_wrench",
+                "Pictures go out by --camera; meshes stay in the store.",
+            )
+    return streams
+
+
+def _joined(indexes: Sequence[FrameIndex]) -> FrameIndex:
+    """Return the indexes of several parts of one store as one, in their order."""
+    first, arrays = indexes[0], ("rows", "t_ns", "trajectory", "in_split")
+    offsets = np.cumsum([0, *(len(index.rows) for index in indexes)])
+    starts = [index.starts[:-1] + offset for index, offset in zip(indexes, offsets[:-1], strict=True)]
+    names = sorted({name for index in indexes for name in index.sensor_names})
+    codes = [
+        np.array([names.index(name) for name in index.sensor_names], np.int32)[index.sensor_code] for index in indexes
+        if len(index.sensor_names)
+    ]  # fmt: skip
+    return replace(
+        first,
+        **{name: np.concatenate([getattr(index, name) for index in indexes]) for name in arrays},
+        starts=np.concatenate([*starts, offsets[-1:]]),
+        sensor_code=np.concatenate(codes) if codes else first.sensor_code,
+        sensor_names=tuple(names),
+    )
+
+
+def _excluded(store: Store, plan: ExportPlan) -> int:
+    """Return how many frames are of trajectories that are in no part of the split."""
+    if plan.split == NO_SPLIT:
+        return 0
+    uids: pa.ChunkedArray = store.trajectories(["uid"])["uid"]
+    is_excluded = np.append(
+        ~np.isin(partition_rows(load_split(store, plan.split), uids).astype(str), PARTITIONS), False
+    )
+    return int(is_excluded[store.frames(["trajectory"])["trajectory"].to_numpy()].sum())

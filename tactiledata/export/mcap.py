@@ -1,0 +1,252 @@
+"""MCAP files of ROS 2 messages, a file a recording, every sample at its native rate, for Foxglove and our reader."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+
+from tactiledata.contract import ros2_messages
+from tactiledata.contract.atomic import write_atomic
+from tactiledata.contract.description import LogDescription
+from tactiledata.contract.provenance import json_bytes
+from tactiledata.contract.simulated import recording_kind
+from tactiledata.export.base import ExportedFile, Exporter, FileFacts
+from tactiledata.export.episodes import Episodes
+from tactiledata.export.pictures import png_bytes
+from tactiledata.export.plan import ExportPlan
+from tactiledata.export.recorded_streams import RecordedFrames, RecordedStreams
+from tactiledata.export.recording_log import (
+    IMAGES_AT_ONCE,
+    VALUES,
+    LoggedStream,
+    image_topic,
+    number_message,
+    number_stream,
+    topic_of,
+    write_log,
+)
+from tactiledata.formats.mcap.describe import RECORD_KEY, RECORD_NAME
+from tactiledata.formats.mcap.roles import Topic, roles_of
+from tactiledata.store.read.reader import Store
+
+MAPPING = "mapping.yaml"
+MAPPING_FORMAT = "tactiledata-mapping/1"
+EXPORT_RECORD = "tactiledata.export"
+"""Metadata record that holds what a log's description has no place for."""
+DERIVED = "contact_wrench"
+"""Ingest derives it from the readings; a reading of it beside them would be a second truth."""
+MAPPED_NAME = r"[a-z][a-z0-9_]{0,63}"
+
+
+class McapExporter(Exporter):
+    """MCAP of ROS 2 messages."""
+
+    name = "mcap"
+    title = "MCAP: ROS 2 messages at native rate, for Foxglove and for reading back"
+    needs_split = False
+    lost: ClassVar = (
+        "Values interpolated at the frames: ingest computes them again from the samples.",
+        "Captured moments without an image, values that a corpus annotates frame by frame, and meshes of `tactiledata "
+        "replay`.",
+        "What ingest left out (damage, samples of a broken clock) is not in the store, so neither is it here.",
+        "Files that a description names, other than pictures without contact: the store keeps no meshes of indenters.",
+        "Parts of a split: a recording may hold touches of several. They stand in the metadata record "
+        f"`{EXPORT_RECORD}` of each file.",
+    )
+
+    def __init__(self) -> None:
+        self._recorded: RecordedStreams | None = None
+
+    def _of(self, store: Store) -> RecordedStreams:
+        """Return the recordings of a store; their tables are read once."""
+        if self._recorded is None:
+            self._recorded = RecordedStreams(store)
+        return self._recorded
+
+    def files(self, episodes: Episodes, plan: ExportPlan) -> Sequence[ExportedFile]:
+        """Return a file for each recording."""
+        recorded = self._of(episodes.store)
+        return [
+            ExportedFile(f"{name}.mcap", number, number + 1, int(recorded.frame_counts[number]))
+            for number, name in enumerate(recorded.file_names)
+        ]
+
+    def write(self, episodes: Episodes, file: ExportedFile, path: Path, advance: Callable[[int], None]) -> FileFacts:
+        """Write one recording."""
+        store, source, recorded = episodes.store, file.start, self._of(episodes.store)
+        streams = [self._signal(store, name, *place) for name, place in recorded.signals(source).items()]
+        for camera, frames in recorded.frames(source).items():
+            streams.append(self._images(store, camera, frames, advance))
+        description = recorded.description(source)
+        metadata = {EXPORT_RECORD: {"export": json_bytes(self._own_record(episodes, source)).decode()}}
+        if description:
+            LogDescription.checked(description, recorded.sources[source]["key"])
+            metadata = {RECORD_NAME: {RECORD_KEY: json_bytes(description).decode()}, **metadata}
+        with path.open("wb") as stream:
+            write_log(stream, streams, metadata, self._backgrounds(store, description), recorded.sources[source]["key"])
+        return {}
+
+    def _signal(self, store: Store, name: str, stored: str, start: int, stop: int) -> LoggedStream:
+        """Return a signal of a recording as a stream of messages."""
+        signal = store.signal(stored)
+        topic, kind = topic_of(name, signal.columns)
+        make = partial(number_message, kind, signal.frame, signal.columns, signal.units)
+        kinds: tuple[Any, ...] = ("log", "publish", "header")
+        stamps = {each: np.asarray(signal.stamps(each, start, stop)) for each in kinds}
+        return number_stream(topic, kind, make, stamps, np.asarray(signal.values(start, stop)))
+
+    def _images(
+        self, store: Store, camera: str, frames: RecordedFrames, advance: Callable[[int], None]
+    ) -> LoggedStream:
+        """Return a camera of a recording as a stream of messages; few pictures are read at once."""
+        is_raw = frames.are_raw
+        topic, kind = image_topic(camera, is_raw)
+
+        def messages() -> Iterator[Callable[[], bytes]]:
+            """Yield a function for each message."""
+            for start in range(0, len(frames.rows), IMAGES_AT_ONCE):
+                payloads = store.encoded(frames.rows[start : start + IMAGES_AT_ONCE])
+                for place, payload in enumerate(payloads, start):
+                    yield partial(_image_message, frames, place, payload or b"", is_raw)
+                advance(len(payloads))
+
+        publish_ns = np.where(frames.publish_ns < 0, frames.log_ns, frames.publish_ns)
+        return LoggedStream(topic, kind, frames.log_ns, publish_ns, messages)
+
+    def _backgrounds(self, store: Store, description: Mapping[str, Any]) -> dict[str, bytes]:
+        """Return the pictures without contact that a description names."""
+        named = {sensor: facts.get("background") for sensor, facts in description.get("sensors", {}).items()}
+        held = store.manifest["references"]
+        return {
+            name: png_bytes(store.reference(sensor).image) for sensor, name in named.items() if name and sensor in held
+        }
+
+    def _own_record(self, episodes: Episodes, source: int) -> dict[str, Any]:
+        """Return where a recording came from, and in which part each of its touches is."""
+        recorded = self._of(episodes.store)
+        facts = recorded.sources[source]
+        parts = dict(zip(episodes.trajectories.tolist(), episodes.parts, strict=True))
+        return {
+            "store_digest": episodes.store.digest,
+            "recording": facts["key"],
+            "recording_sha256": facts["sha256"],
+            "recorded": recording_kind(json.loads(facts["description"] or "{}")),
+            "format": facts["format"],
+            "status": facts["status"],
+            "trajectories": [
+                {**{name: value for name, value in each.items() if name not in ("row", "source", "extra")},
+                 "part": parts.get(each["row"], "")}
+                for each in recorded.trajectories(source)
+            ],
+        }  # fmt: skip
+
+    def finish(
+        self,
+        episodes: Episodes,
+        files: Sequence[ExportedFile],
+        facts: Callable[[], Iterator[FileFacts]],
+        folder: Path,
+    ) -> None:
+        """Write a mapping where our reader could not tell by their names which topic is what."""
+        mapping = self._mapping(episodes)
+        if mapping is not None:
+            text = yaml.safe_dump(mapping, sort_keys=False, allow_unicode=True)
+            write_atomic(folder / MAPPING, text.encode())
+
+    def _mapping(self, episodes: Episodes) -> dict[str, Any] | None:
+        """Return the mapping that reads the files back; ``None`` where the names of the topics say all."""
+        store, recorded = episodes.store, self._of(episodes.store)
+        topics: dict[str, str] = {}
+        signals: dict[str, Any] = {}
+        cameras: dict[str, Any] = {}
+        for source in range(len(recorded.sources)):
+            found = recorded.signals(source)
+            for name, (stored, _, _) in found.items():
+                signal = store.signal(stored)
+                topic, kind = topic_of(name, signal.columns)
+                topics[topic] = kind
+                is_value = kind == VALUES or (name == DERIVED and "wrench" not in found)
+                if is_value and _is_mapped_name(name):
+                    signals[name] = _mapped(topic, kind, signal.columns, signal.units)
+            for camera, frames in recorded.frames(source).items():
+                topic, kind = image_topic(camera, frames.are_raw)
+                topics[topic] = kind
+                cameras[camera] = {"topic": topic}
+        guessed = roles_of([Topic(topic, kind.replace("/msg/", "/")) for topic, kind in topics.items()])
+        are_guessed = {role.camera: role.topic for role in guessed.images} == {
+            camera: entry["topic"] for camera, entry in cameras.items()
+        }
+        if not signals and are_guessed:
+            return None
+        document: dict[str, Any] = {"format": MAPPING_FORMAT}
+        if signals:
+            document["signals"] = signals
+        if not are_guessed:
+            document["images"] = {name: entry for name, entry in cameras.items() if _is_mapped_name(name)}
+        return document
+
+    def kept_as(self, stream: str, episodes: Episodes) -> str:
+        """Return the topic of a stream."""
+        store = episodes.store
+        if stream in store.cameras:
+            return image_topic(stream, False)[0].removesuffix("/compressed")
+        base = stream.partition("@")[0]
+        if stream not in store.signal_names:
+            return "not kept"
+        return topic_of(base, store.signal(stream).columns)[0]
+
+    def remarks(self, episodes: Episodes) -> list[str]:
+        """Return how the files are read back, and what cannot be."""
+        mapping = self._mapping(episodes)
+        how = f" --mapping {MAPPING}" if mapping is not None else ""
+        return [
+            f"`tactiledata ingest . --store back.zarr{how}` reads the files back, stamps and bytes of pictures as they "
+            "were.",
+            f"The topic of {DERIVED} is for viewers: ingest derives it again.",
+        ]
+
+    def snippet(self, episodes: Episodes, files: Sequence[ExportedFile]) -> str:
+        """Return lines that list the topics of the first file."""
+        return "\n".join(
+            [
+                "from mcap.reader import make_reader",
+                "",
+                f"with open({files[0].path!r}, 'rb') as stream:",
+                "    summary = make_reader(stream).get_summary()",
+                "for number, channel in summary.channels.items():",
+                "    print(channel.topic, summary.statistics.channel_message_counts.get(number, 0))",
+            ]
+        )
+
+
+def _image_message(frames: RecordedFrames, place: int, payload: bytes, is_raw: bool) -> bytes:
+    """Return a picture as CDR bytes; raw ones of a camera that has both kinds become PNG."""
+    stamp, sensor = max(int(frames.header_ns[place]), 0), frames.sensors[place]
+    height, width = frames.sizes[place].tolist()
+    if is_raw:
+        return ros2_messages.raw_image(stamp, sensor, "rgb8", height, width, payload)
+    if frames.encodings[place] == "raw":
+        pixels: NDArray[np.uint8] = np.frombuffer(payload, np.uint8).reshape(height, width, 3)
+        return ros2_messages.compressed_image(stamp, sensor, "png", png_bytes(pixels))
+    return ros2_messages.compressed_image(stamp, sensor, frames.encodings[place], payload)
+
+
+def _mapped(topic: str, kind: str, columns: Sequence[str], units: Sequence[str]) -> dict[str, Any]:
+    """Return the entry of a mapping that reads a topic of numbers."""
+    paths = [f"values[{number}]" for number in range(len(columns))]
+    if kind != VALUES:
+        paths = [f"wrench.{part}.{axis}" for part in ("force", "torque") for axis in "xyz"]
+    return {"topic": topic, "fields": paths, "units": [unit if unit != "?" else "1" for unit in units]}
+
+
+def _is_mapped_name(name: str) -> bool:
+    """Whether a mapping may name a signal or camera so."""
+    return re.fullmatch(MAPPED_NAME, name) is not None

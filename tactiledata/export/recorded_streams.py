@@ -1,0 +1,173 @@
+"""What a store holds of each recording: rows of its signals, rows of its frames, what it said of itself."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import PurePosixPath
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+
+from tactiledata.contract.description import LOG_FORMAT
+from tactiledata.contract.take import FrameFlag
+from tactiledata.store.layout.places import folder_name
+from tactiledata.store.read.reader import Store
+
+TEXTS = ("camera", "sensor", "encoding")
+FRAME_COLUMNS = (*TEXTS, "source", "log_ns", "publish_ns", "header_ns", "height", "width", "flags")
+
+
+@dataclass(frozen=True)
+class RecordedFrames:
+    """The images of one camera in one recording, in the order of their log times.
+
+    Parameters
+    ----------
+    rows : (n,) int64
+        Rows in the store.
+    log_ns, publish_ns, header_ns : (n,) int64
+        Stamps; -1 where there is none.
+    sensors : list of n str
+    sizes : (n, 2) int64
+        Height and width.
+    encodings : list of n str
+        ``jpeg``, ``png`` or ``raw``.
+    """
+
+    rows: NDArray[np.int64]
+    log_ns: NDArray[np.int64]
+    publish_ns: NDArray[np.int64]
+    header_ns: NDArray[np.int64]
+    sensors: list[str]
+    sizes: NDArray[np.int64]
+    encodings: list[str]
+
+    @property
+    def are_raw(self) -> bool:
+        """Whether all of them are kept as pixels."""
+        return all(encoding == "raw" for encoding in self.encodings)
+
+
+class RecordedStreams:
+    """The recordings of a store, by their rows in the table of sources."""
+
+    def __init__(self, store: Store) -> None:
+        self._store = store
+
+    @cached_property
+    def sources(self) -> list[dict[str, Any]]:
+        """Facts of every recording: key, digest, description, and the rows of its signals."""
+        columns = ["sha256", "key", "format", "status", "description", "contents"]
+        return self._store.sources(columns).to_pylist()
+
+    @cached_property
+    def _frames(self) -> dict[str, NDArray[Any]]:
+        """Columns of all frames; texts as codes."""
+        table = self._store.frames(list(FRAME_COLUMNS)).combine_chunks()
+        columns: dict[str, NDArray[Any]] = {}
+        for name in FRAME_COLUMNS:
+            if name in TEXTS:
+                texts = table[name].cast(pa.string()).combine_chunks().dictionary_encode()
+                columns[name] = np.asarray(texts.indices)
+                columns[f"{name}s"] = np.array(texts.dictionary.to_pylist(), object)
+            else:
+                columns[name] = table[name].to_numpy()
+        return columns
+
+    @cached_property
+    def _places(self) -> dict[int, tuple[int, int]]:
+        """First frame and number of frames of each recording; they are side by side."""
+        sources, first, counts = np.unique(self._frames["source"], return_index=True, return_counts=True)
+        return {
+            int(source): (int(start), int(count)) for source, start, count in zip(sources, first, counts, strict=True)
+        }
+
+    @cached_property
+    def frame_counts(self) -> NDArray[np.int64]:
+        """Number of frames (n_sources,) with an image in each recording."""
+        has_image = (self._frames["flags"] & FrameFlag.MISSING) == 0
+        return np.bincount(self._frames["source"][has_image], minlength=len(self.sources))
+
+    @cached_property
+    def file_names(self) -> list[str]:
+        """A file name, without suffix, for every recording: that of its key, and its digest where several share it."""
+        stems = [folder_name(PurePosixPath(source["key"]).with_suffix("").as_posix()) for source in self.sources]
+        return [
+            f"{stem}-{source['sha256'][:8]}" if stems.count(stem) > 1 else stem
+            for stem, source in zip(stems, self.sources, strict=True)
+        ]
+
+    def signals(self, source: int) -> dict[str, tuple[str, int, int]]:
+        """Return name in the store and rows [start, stop) of each signal of a recording, by the recording's name."""
+        contents = json.loads(self.sources[source]["contents"])["signals"]
+        return {facts["name"]: (stored, *map(int, facts["rows"])) for stored, facts in sorted(contents.items())}
+
+    def frames(self, source: int) -> dict[str, RecordedFrames]:
+        """Return the images of each camera of a recording; captured moments without an image are left out."""
+        columns = self._frames
+        first, count = self._places.get(source, (0, 0))
+        mine = np.arange(first, first + count)
+        mine = mine[(columns["flags"][mine] & FrameFlag.MISSING) == 0]
+        found = {}
+        for code in np.unique(columns["camera"][mine]).tolist():
+            rows = mine[columns["camera"][mine] == code]
+            rows = rows[np.argsort(columns["log_ns"][rows], kind="stable")]
+            found[str(columns["cameras"][code])] = RecordedFrames(
+                rows,
+                columns["log_ns"][rows],
+                columns["publish_ns"][rows],
+                columns["header_ns"][rows],
+                [name or "" for name in columns["sensors"][columns["sensor"][rows]].tolist()],
+                np.stack([columns["height"][rows], columns["width"][rows]], axis=1).astype(np.int64),
+                columns["encodings"][columns["encoding"][rows]].tolist(),
+            )
+        return found
+
+    @cached_property
+    def _trajectories(self) -> dict[int, list[dict[str, Any]]]:
+        """Trajectories of each recording."""
+        by_source: dict[int, list[dict[str, Any]]] = {}
+        names = [
+            "source",
+            "uid",
+            "trajectory",
+            "sensor",
+            "indenter",
+            "start_ns",
+            "end_ns",
+            "segmented",
+            "parent",
+            "extra",
+        ]
+        for row, facts in enumerate(self._store.trajectories(names).to_pylist()):
+            by_source.setdefault(facts["source"], []).append({"row": row, **facts})
+        return by_source
+
+    def trajectories(self, source: int) -> list[dict[str, Any]]:
+        """Return the trajectories of a recording, each with its row in the store's table."""
+        return self._trajectories.get(source, [])
+
+    def description(self, source: int) -> Mapping[str, Any]:
+        """Return what a recording says of itself, with the trajectories that it named wherever it named them."""
+        stated = dict(json.loads(self.sources[source]["description"] or "{}"))
+        named = [facts for facts in self.trajectories(source) if facts["segmented"] == "log"]
+        if "trajectories" not in stated and named:
+            stated["trajectories"] = [_described(facts) for facts in named]
+        if "sensors" not in stated:
+            sensors = {facts["sensor"] for facts in self.trajectories(source)} - {"", None}
+            known = self._store.sensors()
+            stated["sensors"] = {
+                name: {"model": known.get(name, {}).get("model") or "unknown"} for name in sorted(sensors)
+            }
+        return {**stated, "format": LOG_FORMAT} if stated["sensors"] else {}
+
+
+def _described(facts: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a trajectory as a description states it, its free columns among the others."""
+    fixed = {name: facts[name] for name in ("trajectory", "start_ns", "end_ns", "sensor", "indenter") if facts[name]}
+    return {**json.loads(facts["extra"] or "{}"), **fixed}

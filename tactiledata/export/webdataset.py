@@ -1,0 +1,117 @@
+"""WebDataset: tar files of samples, a picture and its numbers a frame, to be streamed."""
+
+from __future__ import annotations
+
+import io
+import tarfile
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+
+from tactiledata.contract.provenance import json_bytes
+from tactiledata.export.base import ExportedFile, Exporter, FileFacts, count_missing
+from tactiledata.export.episodes import Episodes, FrameBatch
+from tactiledata.export.parquet_rows import SUFFIX
+from tactiledata.export.plan import MEGABYTE, ExportPlan
+
+SHOWN = 5
+"""Digits of a shard's number."""
+
+
+class WebDatasetExporter(Exporter):
+    """Tar files of pictures and JSON."""
+
+    name = "webdataset"
+    title = "WebDataset: tar files of pictures and JSON"
+    lost: ClassVar = (
+        "Samples between the frames: a sample has the values at the moment of its frame. The store has them at native "
+        "rate.",
+        "Frames without a readable image are no samples, nor are frames outside any trajectory.",
+        "Order within a touch, once a loader shuffles: `trajectory` and `frame_index` of a sample restore it.",
+        "Meshes of `tactiledata replay` stay in the store.",
+    )
+
+    def files(self, episodes: Episodes, plan: ExportPlan) -> Sequence[ExportedFile]:
+        """Return the shards, numbered within each part."""
+        groups = episodes.groups(plan.file_mb * MEGABYTE)
+        parts = [episodes.parts[start] for start, _ in groups]
+        return [
+            ExportedFile(
+                f"{part}-{parts[:number].count(part):0{SHOWN}d}.tar", start, stop,
+                int(episodes.lengths[start:stop].sum()),
+            )
+            for number, (part, (start, stop)) in enumerate(zip(parts, groups, strict=True))
+        ]  # fmt: skip
+
+    def write(self, episodes: Episodes, file: ExportedFile, path: Path, advance: Callable[[int], None]) -> FileFacts:
+        """Write the samples of some episodes."""
+        missing: dict[str, int] = {}
+        with tarfile.open(path, "w", format=tarfile.USTAR_FORMAT) as shard:
+            for batch in episodes.batches(file.start, file.stop):
+                count_missing(missing, batch)
+                for place in range(len(batch)):
+                    key = f"{episodes.facts.uids[batch.episode]}_{batch.first + place:06d}"
+                    if episodes.camera:
+                        content, kind, _ = batch.pictures[place]
+                        _add(shard, f"{key}.{SUFFIX[kind]}", content)
+                    _add(shard, f"{key}.json", json_bytes(self._facts(episodes, batch, place)))
+                advance(len(batch))
+        return {"missing": missing}
+
+    def _facts(self, episodes: Episodes, batch: FrameBatch, place: int) -> dict[str, Any]:
+        """Return what is known of a frame beside its picture, as JSON values; ``null`` where nothing was recorded."""
+        facts, episode = episodes.facts, batch.episode
+        return {
+            "trajectory": facts.uids[episode],
+            "part": episodes.parts[episode],
+            "sensor": facts.sensors[episode],
+            "indenter": facts.indenters[episode],
+            "recorded": facts.kinds[episode],
+            "frame": int(batch.rows[place]),
+            "frame_index": batch.first + place,
+            "t_ns": int(batch.t_ns[place]),
+            "in_split": bool(batch.in_split[place]),
+            "values": {
+                name: [float(value) if np.isfinite(value) else None for value in values[place]]
+                for name, values in batch.values.items()
+            },
+        }
+
+    def finish(
+        self,
+        episodes: Episodes,
+        files: Sequence[ExportedFile],
+        facts: Callable[[], Iterator[FileFacts]],
+        folder: Path,
+    ) -> None:
+        """Write nothing: what the numbers mean stands in the document of the export."""
+
+    def kept_as(self, stream: str, episodes: Episodes) -> str:
+        """Return where a sample has the stream."""
+        return "jpg or png" if stream == episodes.camera else f"json: values.{stream}"
+
+    def snippet(self, episodes: Episodes, files: Sequence[ExportedFile]) -> str:
+        """Return lines that stream the first part."""
+        part = episodes.parts[0]
+        last = sum(episodes.parts[file.start] == part for file in files) - 1
+        shards = f"{part}-{{{0:0{SHOWN}d}..{last:0{SHOWN}d}}}.tar"
+        kinds, names = ('"jpg;png", "json"', "picture, facts") if episodes.camera else ('"json"', "(facts,)")
+        return "\n".join(
+            [
+                "import webdataset",
+                "",
+                f'samples = webdataset.WebDataset("{shards}", shardshuffle=False).decode("rgb8")',
+                f"for {names} in samples.to_tuple({kinds}):",
+                '    print(facts["trajectory"], facts["values"])',
+                "    break",
+            ]
+        )
+
+
+def _add(shard: tarfile.TarFile, name: str, content: bytes) -> None:
+    """Add a file to a tar file, without time, owner or anything else that differs between machines."""
+    info = tarfile.TarInfo(name)
+    info.size = len(content)
+    shard.addfile(info, io.BytesIO(content))
