@@ -44,17 +44,15 @@ class Exporter(ABC):
     ----------
     name, title : str
         The word after ``--to``, and what it is, for people.
-    needs_split : bool
-        Whether data is trained on from it, so that a split must be named.
+    at_frames : bool
+        Whether it holds frames and the values at them, from which models learn: then a split must be named.
     lost : tuple of str
         Sentences that say what of a store the format does not keep.
-    front_matter : bool
-        Whether its page for people begins with lines of YAML.
     """
 
     name: ClassVar[str]
     title: ClassVar[str]
-    needs_split: ClassVar[bool] = True
+    at_frames: ClassVar[bool] = True
     lost: ClassVar[Sequence[str]] = ()
 
     @abstractmethod
@@ -106,13 +104,23 @@ class Exporter(ABC):
         """Return sentences that say what this export, beside what all of the format do, changes or derives."""
         return []
 
+    def left_out(self, episodes: Episodes) -> dict[str, int]:
+        """Return how many frames do not go out, by reason."""
+        return dict(episodes.left_out)
+
     def front_matter(self, episodes: Episodes, files: Sequence[ExportedFile]) -> str:
         """Return lines of YAML with which the page for people begins; empty for none."""
         return ""
 
 
-def count_missing(missing: dict[str, int], batch: FrameBatch) -> None:
-    """Add the frames of a batch at which a stream has no value to the counts by stream."""
+def no_counts() -> dict[str, Any]:
+    """Return what is noted of a file without frames: no values missing, no pictures made anew."""
+    return {"missing": {}, "remade": 0}
+
+
+def count(noted: dict[str, Any], batch: FrameBatch) -> None:
+    """Add to the notes of a file at how many frames of a batch each stream has no value, and its new pictures."""
     for name, values in batch.values.items():
         if lacking := int((~np.isfinite(values)).any(axis=1).sum()):
-            missing[name] = missing.get(name, 0) + lacking
+            noted["missing"][name] = noted["missing"].get(name, 0) + lacking
+    noted["remade"] += sum(not is_unchanged for _, _, is_unchanged in batch.pictures)

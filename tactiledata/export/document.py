@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from tactiledata.contract.provenance import digest_of, provenance
+from tactiledata.contract.wording import counted
 from tactiledata.export.base import ExportedFile, Exporter, FileFacts
 from tactiledata.export.episodes import Episodes
 from tactiledata.export.meanings import stream_facts
@@ -43,7 +44,9 @@ def export_document(
     """
     store = episodes.store
     missing: dict[str, int] = {}
+    remade = 0
     for noted in facts:
+        remade += noted.get("remade", 0)
         for name, count in noted.get("missing", {}).items():
             missing[name] = missing.get(name, 0) + count
     inputs = {"store": store.digest, **({} if split is None else {"split": digest_of(split)})}
@@ -62,9 +65,9 @@ def export_document(
         "parts": _parts(episodes),
         "streams": _streams(exporter, episodes, missing),
         "simulated_recordings": simulated_recordings(store).document(),
-        "left_out": dict(episodes.left_out),
+        "left_out": exporter.left_out(episodes),
         "lost": list(exporter.lost),
-        "remarks": [*_general_remarks(episodes, missing), *exporter.remarks(episodes)],
+        "remarks": [*_general_remarks(exporter, episodes, missing, remade), *exporter.remarks(episodes)],
         "provenance": provenance("export-data", inputs, plan.document()),
     }
 
@@ -92,7 +95,7 @@ def _streams(exporter: Exporter, episodes: Episodes, missing: Mapping[str, int])
 
 def exported_streams(exporter: Exporter, episodes: Episodes) -> Sequence[Stream]:
     """Return the streams that an export keeps: those at the frames, or all signals at native rate."""
-    if exporter.needs_split:
+    if exporter.at_frames:
         return episodes.streams
     store = episodes.store
     names = (name for name in store.signal_names if name in store.aligned_names)
@@ -104,16 +107,23 @@ def _columns(episodes: Episodes, name: str) -> tuple[tuple[str, ...], tuple[str,
     return signal.columns, signal.units
 
 
-def _general_remarks(episodes: Episodes, missing: Mapping[str, int]) -> list[str]:
-    """Return what an export derives or re-encodes, whatever its format."""
+def _general_remarks(exporter: Exporter, episodes: Episodes, missing: Mapping[str, int], remade: int) -> list[str]:
+    """Return what an export derives, and which values it lacks, whatever its format."""
     remarks = []
-    if episodes.action is not None:
+    if exporter.at_frames and episodes.action is not None:
         remarks.append(
             f"`action` is derived: the value of `{episodes.action.name}` at the next frame, at the last frame its own. "
             "No command of the robot was recorded. --action none leaves it out."
         )
+    elif exporter.at_frames:
+        remarks.append("There is no action: none was recorded, and none was derived.")
     for name, count in missing.items():
-        remarks.append(f"`{name}` has no value at {count} frames: NaN there, never zero.")
+        remarks.append(f"`{name}` has no value at {counted(count, 'frame')}: NaN or null there, never zero.")
+    if remade:
+        remarks.append(
+            f"{counted(remade, 'picture')} became PNG, without loss: raw frames, and files that readers understand in "
+            "different ways (grey, indexed, alpha, 16 bits, an orientation in the metadata)."
+        )
     return remarks
 
 

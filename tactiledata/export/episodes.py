@@ -90,7 +90,7 @@ class Episodes:
     ----------
     store : Store
     camera : str
-        Empty where the store has no camera.
+        Empty where the store has no camera, and so no frames.
     streams : tuple of Stream
         With a row of numbers a frame.
     action : Stream, optional
@@ -177,26 +177,18 @@ class Episodes:
             ranges.append((first, stop))
         return ranges
 
-    def batches(self, start: int, stop: int, pictures: bool = True) -> Iterator[FrameBatch]:
-        """Yield the frames of the episodes [start, stop) in order, a bounded number at a time.
-
-        Parameters
-        ----------
-        start, stop : int
-            First episode, and the episode after the last.
-        pictures : bool
-            Whether pictures are read.
-        """
+    def batches(self, start: int, stop: int) -> Iterator[FrameBatch]:
+        """Yield the frames of the episodes [start, stop) in order, a bounded number at a time."""
         for episode in range(start, stop):
             first, end = int(self.index.starts[episode]), int(self.index.starts[episode + 1])
             place = first
             while place < end:
                 reach = np.cumsum(self.frame_bytes[place : min(place + BATCH_FRAMES, end)])
                 count = max(1, int(np.searchsorted(reach, BATCH_BYTES, side="right")))
-                yield self._batch(episode, first, place, min(place + count, end), end, pictures)
+                yield self._batch(episode, first, place, min(place + count, end), end)
                 place += count
 
-    def _batch(self, episode: int, first: int, start: int, stop: int, end: int, pictures: bool) -> FrameBatch:
+    def _batch(self, episode: int, first: int, start: int, stop: int, end: int) -> FrameBatch:
         rows = self.index.rows[start:stop]
         values = {stream.name: values_at_frames(self.store, stream, rows) for stream in self.streams}
         if self.action is not None:
@@ -208,7 +200,7 @@ class Episodes:
             rows,
             self.index.t_ns[start:stop],
             self.index.in_split[start:stop],
-            self._pictures(start, stop) if pictures and self.camera else (),
+            self._pictures(start, stop),
             values,
         )
 
@@ -278,8 +270,17 @@ def find_episodes(store: Store, plan: ExportPlan, may_be_empty: bool = False) ->
     return Episodes(store, camera, streams, action, index, tuple(parts), left_out)
 
 
-def chosen_split(store: Store, named: str | None, needs_split: bool) -> str:
+def chosen_split(store: Store, named: str | None, is_needed: bool) -> str:
     """Return the split that an export follows: the named one, else ``default``.
+
+    Parameters
+    ----------
+    store : Store
+        What is exported.
+    named : str, optional
+        What the user asked for.
+    is_needed : bool
+        Whether a store without any split is refused.
 
     Raises
     ------
@@ -293,7 +294,7 @@ def chosen_split(store: Store, named: str | None, needs_split: bool) -> str:
     names = store.split_names()
     if "default" in names:
         return "default"
-    if not needs_split and not names:
+    if not is_needed and not names:
         return NO_SPLIT
     listed = f"it has {', '.join(names)}" if names else "it has none yet"
     raise MissingSplit(

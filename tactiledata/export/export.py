@@ -76,7 +76,7 @@ def export_data(
         Damage in the store, or times that the format cannot hold.
     """
     exporter: Exporter = EXPORTERS[plan.to]()
-    chosen = chosen_split(store, plan.split or None, exporter.needs_split)
+    chosen = chosen_split(store, plan.split or None, exporter.at_frames)
     plan = replace(plan, split=chosen)
     split = None if chosen == NO_SPLIT else dict(load_split(store, chosen).document)
     key = plan.key(store.digest, store.row_state, split)
@@ -88,7 +88,7 @@ def export_data(
             # killed between the last file and the renaming
             place.put_in_place()
             return ExportReport(out, document)
-        episodes = find_episodes(store, plan, may_be_empty=not exporter.needs_split)
+        episodes = find_episodes(store, plan, may_be_empty=not exporter.at_frames)
         files = exporter.files(episodes, plan)
         _write_files(exporter, episodes, files, place, progress)
 

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 import yaml
 
-from tactiledata.export.base import ExportedFile, Exporter, FileFacts, count_missing
+from tactiledata.export.base import ExportedFile, Exporter, FileFacts, count, no_counts
 from tactiledata.export.episodes import Episodes, FrameBatch
 from tactiledata.export.parquet_rows import SUFFIX, RowField, pictures, schema_of, vectors, write_rows
 from tactiledata.export.plan import MEGABYTE, ExportPlan
@@ -44,21 +44,21 @@ class HuggingFaceExporter(Exporter):
 
     def write(self, episodes: Episodes, file: ExportedFile, path: Path, advance: Callable[[int], None]) -> FileFacts:
         """Write the rows of some episodes, and count missing values."""
-        missing: dict[str, int] = {}
+        noted = no_counts()
 
         def rows() -> Iterator[Mapping[str, Any]]:
             """Yield the columns of each batch of frames."""
             for batch in episodes.batches(file.start, file.stop):
-                count_missing(missing, batch)
+                count(noted, batch)
                 yield self._columns(episodes, batch)
                 advance(len(batch))
 
         write_rows(path, schema_of(self._fields(episodes)), rows())
-        return {"missing": missing}
+        return noted
 
     def _fields(self, episodes: Episodes) -> list[RowField]:
         """Return the columns of a row: picture, values, then who, what and when."""
-        fields = [RowField.picture(self.kept_as(episodes.camera, episodes))] if episodes.camera else []
+        fields = [RowField.picture(self.kept_as(episodes.camera, episodes))]
         for stream in episodes.streams:
             facts = episodes.stream_facts[stream.name]
             fields.append(RowField.vector(self.kept_as(stream.name, episodes), KIND, len(stream.columns), facts))
@@ -69,25 +69,22 @@ class HuggingFaceExporter(Exporter):
 
     def _columns(self, episodes: Episodes, batch: FrameBatch) -> dict[str, Any]:
         """Return the columns of a batch by name."""
-        count, episode, facts = len(batch), batch.episode, episodes.facts
+        size, episode, facts = len(batch), batch.episode, episodes.facts
         uid = facts.uids[episode]
         columns: dict[str, Any] = {
             "t_ns": batch.t_ns,
             "frame": batch.rows,
-            "frame_index": np.arange(batch.first, batch.first + count),
+            "frame_index": np.arange(batch.first, batch.first + size),
             "in_split": batch.in_split,
-            "trajectory": [uid] * count,
-            "sensor": [facts.sensors[episode]] * count,
-            "indenter": [facts.indenters[episode]] * count,
-            "recorded": [facts.kinds[episode]] * count,
+            "trajectory": [uid] * size,
+            "sensor": [facts.sensors[episode]] * size,
+            "indenter": [facts.indenters[episode]] * size,
+            "recorded": [facts.kinds[episode]] * size,
         }
         for name, values in batch.values.items():
             columns[name if name == "action" else self.kept_as(name, episodes)] = vectors(values, KIND)
-        if episodes.camera:
-            names = [
-                f"{uid}_{batch.first + place:06d}.{SUFFIX[kind]}" for place, (_, kind, _) in enumerate(batch.pictures)
-            ]
-            columns[self.kept_as(episodes.camera, episodes)] = pictures([each[0] for each in batch.pictures], names)
+        names = [f"{uid}_{batch.first + place:06d}.{SUFFIX[kind]}" for place, (_, kind, _) in enumerate(batch.pictures)]
+        columns[self.kept_as(episodes.camera, episodes)] = pictures([each[0] for each in batch.pictures], names)
         return columns
 
     def finish(
@@ -112,12 +109,14 @@ class HuggingFaceExporter(Exporter):
     def snippet(self, episodes: Episodes, files: Sequence[ExportedFile]) -> str:
         """Return lines that read the first part."""
         part = next(iter(episodes.part_ranges()))
-        lines = [
-            "from datasets import load_dataset",
-            "",
-            f'frames = load_dataset(".", split="{part}")',
-            'in_contact = frames.filter(lambda row: row["in_split"])  # what the split\'s contact filter takes',
-        ]
-        if episodes.camera:
-            lines.append(f'print(frames[0]["{self.kept_as(episodes.camera, episodes)}"].size, len(in_contact))')
-        return "\n".join(lines)
+        return "\n".join(
+            [
+                "from pathlib import Path",
+                "",
+                "from datasets import load_dataset",
+                "",
+                f'frames = load_dataset(str(Path.cwd()), split="{part}")',
+                'in_contact = frames.filter(lambda row: row["in_split"])  # what the split\'s contact filter takes',
+                f'print(frames[0]["{self.kept_as(episodes.camera, episodes)}"].size, len(in_contact))',
+            ]
+        )

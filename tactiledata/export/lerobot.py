@@ -13,7 +13,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from tactiledata.contract.atomic import write_atomic, write_json_atomic
-from tactiledata.export.base import ExportedFile, Exporter, FileFacts, count_missing
+from tactiledata.export.base import ExportedFile, Exporter, FileFacts, count, no_counts
 from tactiledata.export.episode_statistics import NAMES, combined, picture_statistics, statistics
 from tactiledata.export.episodes import Episodes, FrameBatch
 from tactiledata.export.meanings import robot_model
@@ -54,8 +54,7 @@ class LeRobotExporter(Exporter):
 
     def files(self, episodes: Episodes, plan: ExportPlan) -> Sequence[ExportedFile]:
         """Return the data files."""
-        if episodes.camera:
-            require_one_size(episodes.store, episodes.index, episodes.camera)
+        require_one_size(episodes.store, episodes.index, episodes.camera)
         return [
             ExportedFile(f"data/{_file(number)}.parquet", start, stop, int(episodes.lengths[start:stop].sum()))
             for number, (start, stop) in enumerate(episodes.groups(plan.file_mb * MEGABYTE))
@@ -63,7 +62,7 @@ class LeRobotExporter(Exporter):
 
     def write(self, episodes: Episodes, file: ExportedFile, path: Path, advance: Callable[[int], None]) -> FileFacts:
         """Write the rows of some episodes, and note the statistics of each."""
-        missing: dict[str, int] = {}
+        noted = no_counts()
         found: list[dict[str, Any]] = []
         _, task_of = _tasks(episodes)
         fps = frames_per_second(episodes)
@@ -72,7 +71,7 @@ class LeRobotExporter(Exporter):
             """Yield the columns of each batch of frames, and keep the numbers of the episode for its statistics."""
             held: list[dict[str, Any]] = []
             for batch in episodes.batches(file.start, file.stop):
-                count_missing(missing, batch)
+                count(noted, batch)
                 columns = self._columns(episodes, batch, task_of[batch.episode], fps)
                 held.append({name: value for name, value in columns.items() if isinstance(value, np.ndarray)})
                 yield {
@@ -85,11 +84,11 @@ class LeRobotExporter(Exporter):
                     held = []
 
         write_rows(path, schema_of(self._fields(episodes)), rows())
-        return {"missing": missing, "statistics": found}
+        return {**noted, "statistics": found}
 
     def _fields(self, episodes: Episodes) -> list[RowField]:
         """Return the columns of the data files."""
-        fields = [RowField.picture(self.kept_as(episodes.camera, episodes))] if episodes.camera else []
+        fields = [RowField.picture(self.kept_as(episodes.camera, episodes))]
         for stream in episodes.streams:
             facts = episodes.stream_facts[stream.name]
             fields.append(RowField.vector(self.kept_as(stream.name, episodes), KIND, len(stream.columns), facts))
@@ -104,11 +103,8 @@ class LeRobotExporter(Exporter):
             name if name == "action" else self.kept_as(name, episodes): values.astype(np.float32)
             for name, values in batch.values.items()
         }
-        if episodes.camera:
-            names = [
-                f"frame-{batch.first + place:06d}.{SUFFIX[kind]}" for place, (_, kind, _) in enumerate(batch.pictures)
-            ]
-            columns[self.kept_as(episodes.camera, episodes)] = pictures([each[0] for each in batch.pictures], names)
+        names = [f"frame-{batch.first + place:06d}.{SUFFIX[kind]}" for place, (_, kind, _) in enumerate(batch.pictures)]
+        columns[self.kept_as(episodes.camera, episodes)] = pictures([each[0] for each in batch.pictures], names)
         return {
             **columns,
             "t_ns": batch.t_ns,
@@ -124,11 +120,10 @@ class LeRobotExporter(Exporter):
         """Return the statistics of an episode by feature."""
         columns = {name: np.concatenate([batch[name] for batch in held]) for name in held[0]}
         found = {name: statistics(column.reshape(len(column), -1)) for name, column in columns.items()}
-        if episodes.camera:
-            start, stop = episodes.index.starts[episode : episode + 2]
-            places = np.unique(np.linspace(start, stop - 1, SAMPLED_PICTURES).round().astype(int))
-            sampled = np.asarray(episodes.store.images(episodes.index.rows[places]))
-            found[self.kept_as(episodes.camera, episodes)] = picture_statistics(sampled)
+        start, stop = episodes.index.starts[episode : episode + 2]
+        places = np.unique(np.linspace(start, stop - 1, SAMPLED_PICTURES).round().astype(int))
+        sampled = np.asarray(episodes.store.images(episodes.index.rows[places]))
+        found[self.kept_as(episodes.camera, episodes)] = picture_statistics(sampled)
         return found
 
     def finish(
@@ -151,12 +146,9 @@ class LeRobotExporter(Exporter):
 
     def _info(self, episodes: Episodes, tasks: Sequence[str]) -> dict[str, Any]:
         """Return the content of `meta/info.json`."""
-        features: dict[str, Any] = {}
-        if episodes.camera:
-            height, width = episodes.picture_sizes[0].tolist()
-            names = ["height", "width", "channels"]
-            feature = {"dtype": "image", "shape": [height, width, 3], "names": names}
-            features[self.kept_as(episodes.camera, episodes)] = feature
+        height, width = episodes.picture_sizes[0].tolist()
+        picture = {"dtype": "image", "shape": [height, width, 3], "names": ["height", "width", "channels"]}
+        features: dict[str, Any] = {self.kept_as(episodes.camera, episodes): picture}
         for stream in episodes.streams:
             facts = episodes.stream_facts[stream.name]
             features[self.kept_as(stream.name, episodes)] = {
@@ -253,14 +245,14 @@ class LeRobotExporter(Exporter):
     def snippet(self, episodes: Episodes, files: Sequence[ExportedFile]) -> str:
         """Return lines that read the episodes of the first part."""
         part, (start, stop) = next(iter(episodes.part_ranges().items()))
+        camera = self.kept_as(episodes.camera, episodes)
         lines = [
             "from lerobot.datasets.lerobot_dataset import LeRobotDataset",
             "",
             f'dataset = LeRobotDataset("tactile", root=".", episodes=list(range({start}, {stop})))  # {part}',
             "frame = dataset[0]",
+            f'print(frame["{camera}"].shape, frame["task"])',
         ]
-        shown = self.kept_as(episodes.camera or episodes.streams[0].name, episodes)
-        lines.append(f'print(frame["{shown}"].shape, frame["task"])')
         return "\n".join(lines)
 
 

@@ -51,7 +51,7 @@ class McapExporter(Exporter):
 
     name = "mcap"
     title = "MCAP: ROS 2 messages at native rate, for Foxglove and for reading back"
-    needs_split = False
+    at_frames = False
     lost: ClassVar = (
         "Values interpolated at the frames: ingest computes them again from the samples.",
         "Captured moments without an image, values that a corpus annotates frame by frame, and meshes of `tactiledata "
@@ -192,6 +192,11 @@ class McapExporter(Exporter):
         if not are_guessed:
             document["images"] = {name: entry for name, entry in cameras.items() if _is_mapped_name(name)}
         return document
+
+    def left_out(self, episodes: Episodes) -> dict[str, int]:
+        """Return how many captured moments have no image; all images go out, readable or not."""
+        lacking = episodes.store.n_frames - int(self._of(episodes.store).frame_counts.sum())
+        return {"no image recorded": lacking} if lacking else {}
 
     def kept_as(self, stream: str, episodes: Episodes) -> str:
         """Return the topic of a stream."""

@@ -169,5 +169,6 @@ class RecordedStreams:
 
 def _described(facts: Mapping[str, Any]) -> dict[str, Any]:
     """Return a trajectory as a description states it, its free columns among the others."""
-    fixed = {name: facts[name] for name in ("trajectory", "start_ns", "end_ns", "sensor", "indenter") if facts[name]}
+    fixed = {name: facts[name] for name in ("trajectory", "start_ns", "end_ns")}
+    fixed |= {name: facts[name] for name in ("sensor", "indenter") if facts[name]}
     return {**json.loads(facts["extra"] or "{}"), **fixed}

@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 
 from tactiledata.contract.image_bytes import decode_rgb
-from tactiledata.export.base import ExportedFile, Exporter, FileFacts, count_missing
+from tactiledata.export.base import ExportedFile, Exporter, FileFacts, count, no_counts
 from tactiledata.export.episodes import Episodes, FrameBatch
 from tactiledata.export.plan import ExportPlan
 
@@ -20,8 +20,8 @@ FILTER_KEYS = {"val": "valid"}
 """Parts that robomimic calls otherwise."""
 NO_ENVIRONMENT = {"env_name": "recorded touches", "type": 2, "env_kwargs": {}}
 """What stands where robomimic expects the simulator that recorded: it is read, and serves for no roll-out."""
-LATEST = "latest"
-"""Version of the HDF5 file format that robomimic opens its files with."""
+SAME_FILE = b"."
+"""Where HDF5 looks for the source of a view: in the file that the view is in, whatever it is called."""
 
 
 class RobomimicExporter(Exporter):
@@ -45,11 +45,11 @@ class RobomimicExporter(Exporter):
 
     def write(self, episodes: Episodes, file: ExportedFile, path: Path, advance: Callable[[int], None]) -> FileFacts:
         """Write all demonstrations."""
-        missing: dict[str, int] = {}
-        with h5py.File(path, "w", libver=LATEST) as made:
+        noted = no_counts()
+        with h5py.File(path, "w") as made:
             data = made.create_group("data")
             for batch in episodes.batches(file.start, file.stop):
-                count_missing(missing, batch)
+                count(noted, batch)
                 if not batch.first:
                     self._begin(episodes, data, batch.episode)
                 self._fill(episodes, data[f"demo_{batch.episode}"], batch)
@@ -59,7 +59,7 @@ class RobomimicExporter(Exporter):
             for part, (start, stop) in episodes.part_ranges().items():
                 names = np.array([f"demo_{number}" for number in range(start, stop)], dtype="S")
                 made[f"mask/{FILTER_KEYS.get(part, part)}"] = names
-        return {"missing": missing}
+        return {**noted, "remade": 0}  # all are pixels there
 
     def _begin(self, episodes: Episodes, data: h5py.Group, episode: int) -> None:
         """Make the empty arrays of a demonstration, and say who touched what."""
@@ -80,11 +80,9 @@ class RobomimicExporter(Exporter):
             made = demo.create_dataset(f"obs/{self.kept_as(stream.name, episodes)}", (count, len(stream.columns)), "f8")
             for name, value in episodes.stream_facts[stream.name].items():
                 made.attrs[name] = " ".join(value) if isinstance(value, list) else value
-        if episodes.camera:
-            height, width = episodes.picture_sizes[start].tolist()
-            shape = (count, height, width, 3)
-            name = f"obs/{self.kept_as(episodes.camera, episodes)}"
-            demo.create_dataset(name, shape, "u1", chunks=(1, *shape[1:]), compression="gzip", compression_opts=1)
+        shape = (count, *episodes.picture_sizes[start].tolist(), 3)
+        name = f"obs/{self.kept_as(episodes.camera, episodes)}"
+        demo.create_dataset(name, shape, "u1", chunks=(1, *shape[1:]), compression="gzip", compression_opts=1)
         if episodes.action is not None:
             demo.create_dataset("actions", (count, len(episodes.action.columns)), "f8")
         demo["rewards"] = np.zeros(count)
@@ -125,7 +123,7 @@ class RobomimicExporter(Exporter):
         """Return lines that read the first part."""
         part = FILTER_KEYS.get(episodes.parts[0], episodes.parts[0])
         low = [self.kept_as(stream.name, episodes) for stream in episodes.streams]
-        rgb = [self.kept_as(episodes.camera, episodes)] if episodes.camera else []
+        rgb = [self.kept_as(episodes.camera, episodes)]
         keys = ["actions"] if episodes.action is not None else []
         return "\n".join(
             [
@@ -144,10 +142,19 @@ class RobomimicExporter(Exporter):
 def _add_next(demo: h5py.Group) -> None:
     """Add the next observations: views into the observations one frame later, the last one twice, without a copy."""
     for name, made in list(demo["obs"].items()):
-        layout = h5py.VirtualLayout(shape=made.shape, dtype=made.dtype)
-        source = h5py.VirtualSource(made)
         count = made.shape[0]
-        if count > 1:
-            layout[: count - 1] = source[1:]
-        layout[count - 1 :] = source[count - 1 :]
-        demo.create_virtual_dataset(f"next_obs/{name}", layout)
+        parts = [(slice(0, count - 1), slice(1, count)), (slice(count - 1, count), slice(count - 1, count))]
+        settings = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+        # else HDF5 notes when the view was made, and equal exports differ
+        settings.set_obj_track_times(False)
+        for here, there in parts[0 if count > 1 else 1 :]:
+            settings.set_virtual(_rows(made.shape, here), SAME_FILE, made.name.encode(), _rows(made.shape, there))
+        space = h5py.h5s.create_simple(made.shape)
+        h5py.h5d.create(demo.require_group("next_obs").id, name.encode(), made.id.get_type(), space, settings)
+
+
+def _rows(shape: tuple[int, ...], rows: slice) -> h5py.h5s.SpaceID:
+    """Return the place of some rows of an array, as HDF5 describes it."""
+    space = h5py.h5s.create_simple(shape)
+    space.select_hyperslab((rows.start, *[0] * (len(shape) - 1)), (rows.stop - rows.start, *shape[1:]))
+    return space

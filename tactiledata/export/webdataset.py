@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from tactiledata.contract.provenance import json_bytes
-from tactiledata.export.base import ExportedFile, Exporter, FileFacts, count_missing
+from tactiledata.export.base import ExportedFile, Exporter, FileFacts, count, no_counts
 from tactiledata.export.episodes import Episodes, FrameBatch
 from tactiledata.export.parquet_rows import SUFFIX
 from tactiledata.export.plan import MEGABYTE, ExportPlan
@@ -47,18 +47,17 @@ class WebDatasetExporter(Exporter):
 
     def write(self, episodes: Episodes, file: ExportedFile, path: Path, advance: Callable[[int], None]) -> FileFacts:
         """Write the samples of some episodes."""
-        missing: dict[str, int] = {}
+        noted = no_counts()
         with tarfile.open(path, "w", format=tarfile.USTAR_FORMAT) as shard:
             for batch in episodes.batches(file.start, file.stop):
-                count_missing(missing, batch)
+                count(noted, batch)
                 for place in range(len(batch)):
                     key = f"{episodes.facts.uids[batch.episode]}_{batch.first + place:06d}"
-                    if episodes.camera:
-                        content, kind, _ = batch.pictures[place]
-                        _add(shard, f"{key}.{SUFFIX[kind]}", content)
+                    content, kind, _ = batch.pictures[place]
+                    _add(shard, f"{key}.{SUFFIX[kind]}", content)
                     _add(shard, f"{key}.json", json_bytes(self._facts(episodes, batch, place)))
                 advance(len(batch))
-        return {"missing": missing}
+        return noted
 
     def _facts(self, episodes: Episodes, batch: FrameBatch, place: int) -> dict[str, Any]:
         """Return what is known of a frame beside its picture, as JSON values; ``null`` where nothing was recorded."""
@@ -97,14 +96,13 @@ class WebDatasetExporter(Exporter):
         part = episodes.parts[0]
         last = sum(episodes.parts[file.start] == part for file in files) - 1
         shards = f"{part}-{{{0:0{SHOWN}d}..{last:0{SHOWN}d}}}.tar"
-        kinds, names = ('"jpg;png", "json"', "picture, facts") if episodes.camera else ('"json"', "(facts,)")
         return "\n".join(
             [
                 "import webdataset",
                 "",
                 f'samples = webdataset.WebDataset("{shards}", shardshuffle=False).decode("rgb8")',
-                f"for {names} in samples.to_tuple({kinds}):",
-                '    print(facts["trajectory"], facts["values"])',
+                'for picture, facts in samples.to_tuple("jpg;png", "json"):',
+                '    print(picture.shape, facts["trajectory"], facts["values"])',
                 "    break",
             ]
         )
