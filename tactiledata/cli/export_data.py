@@ -32,7 +32,9 @@ def export_data(
     ),
     camera: str = typer.Option(None, "--camera", help="Camera, where the store has several."),
     streams: str = typer.Option(None, "--streams", help="Values at the frames, with commas [default: all]."),
-    action: str = typer.Option("tcp", "--action", help="Stream whose next value is the action, or none."),
+    action: str = typer.Option(
+        None, "--action", help="Stream whose next value is the action, or none [default: tcp, where there is one]."
+    ),
     file_mb: int = typer.Option(100, "--file-mb", help="Size at which a file ends and the next begins, in 10^6 bytes."),
     replace: bool = typer.Option(False, "--replace", help="Replace another export at that place."),
     as_json: bool = JSON_OPTION,
@@ -50,7 +52,7 @@ def export_data(
     location = working_store(store)
     EXPORTERS[to]
     chosen = None if streams is None else tuple(name.strip() for name in streams.split(",") if name.strip())
-    plan = ExportPlan(to, split or "", camera or "", chosen, action, file_mb)
+    plan = ExportPlan(to, split or "", camera or "", chosen, action or "", file_mb)
     place = out if out is not None else Path(f"{Path(location.rstrip('/')).stem}-{to}")
     with damage_explains(location), progress(f"exporting to {to}", quiet=as_json) as report_progress:
         report = write(Store.open(location), plan, place, replace, report_progress)

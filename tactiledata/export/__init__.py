@@ -6,7 +6,8 @@
 - ``meanings``: what each stream means, in words. ``plan``: what decides the bytes of an export.
 - ``folder``: a folder that is finished or not there, whatever moment the process is killed at.
 - ``document``, ``card``, ``tables``: what travels along: `export.json`, a page for people, facts of every recording.
-- ``parquet_rows``, ``episode_statistics``, ``recorded_streams``, ``recording_log``: parts of single formats.
+- ``parquet_rows``, ``episode_statistics``, ``recorded_streams``, ``message_types``, ``recording_log``:
+  parts of single formats.
 
 A format knows nothing of folders, of being killed, or of the other formats.
 """

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from tactiledata.errors import MissingSplit, StoreError, UnknownName, UsageError
 from tactiledata.export.meanings import stream_facts
 from tactiledata.export.pictures import encoded_picture
-from tactiledata.export.plan import NO_ACTION, NO_SPLIT, ExportPlan
+from tactiledata.export.plan import NO_ACTION, NO_SPLIT, USUAL_ACTION, ExportPlan
 from tactiledata.loaders.index import FrameIndex, build_index
 from tactiledata.loaders.selection import ALL, FILTERED, select
 from tactiledata.loaders.streams import Stream, find_streams, values_at_frames
@@ -228,7 +228,7 @@ def find_episodes(store: Store, plan: ExportPlan, may_be_empty: bool = False) ->
     plan : ExportPlan
         Split, camera, streams and action.
     may_be_empty : bool
-        Whether a store without a readable frame may go out.
+        Whether a store without a readable frame may go out, and one with several cameras.
 
     Raises
     ------
@@ -237,11 +237,9 @@ def find_episodes(store: Store, plan: ExportPlan, may_be_empty: bool = False) ->
     UsageError
         Several cameras and none is named, a stream that has no row of numbers a frame, or no frame at all.
     """
-    camera = _camera(store, plan.camera)
+    camera = "" if may_be_empty else _camera(store, plan.camera)
     streams = _streams(store, plan.streams)
-    action = next(iter(_streams(store, (plan.action,))), None) if plan.action in store.aligned_names else None
-    if action is None and plan.action not in (NO_ACTION, "tcp"):
-        raise UnknownName("stream for the action", plan.action, [*store.aligned_names, NO_ACTION])
+    action = _action(store, plan.action)
     is_parted = plan.split != NO_SPLIT
     named = {part: f"{plan.split}/{part}" for part in PARTITIONS} if is_parted else {UNSPLIT: ALL}
     indexes: list[FrameIndex] = []
@@ -331,6 +329,14 @@ def _streams(store: Store, names: Sequence[str] | None) -> tuple[Stream, ...]:
                 "Pictures go out by --camera; meshes stay in the store.",
             )
     return streams
+
+
+def _action(store: Store, named: str) -> Stream | None:
+    """Return the stream whose next value is the action; ``None`` where none is wanted, or no pose is there."""
+    if named not in ("", NO_ACTION, *store.aligned_names):
+        raise UnknownName("stream for the action", named, [*store.aligned_names, NO_ACTION])
+    wanted = named or USUAL_ACTION
+    return _streams(store, (wanted,))[0] if wanted in store.aligned_names else None
 
 
 def _joined(indexes: Sequence[FrameIndex]) -> FrameIndex:

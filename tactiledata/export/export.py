@@ -76,6 +76,7 @@ def export_data(
         Damage in the store, or times that the format cannot hold.
     """
     exporter: Exporter = EXPORTERS[plan.to]()
+    plan.require_frames(exporter.at_frames)
     chosen = chosen_split(store, plan.split or None, exporter.at_frames)
     plan = replace(plan, split=chosen)
     split = None if chosen == NO_SPLIT else dict(load_split(store, chosen).document)

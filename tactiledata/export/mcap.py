@@ -20,19 +20,11 @@ from tactiledata.contract.provenance import json_bytes
 from tactiledata.contract.simulated import recording_kind
 from tactiledata.export.base import ExportedFile, Exporter, FileFacts
 from tactiledata.export.episodes import Episodes
+from tactiledata.export.message_types import image_type, message_maker, number_type
 from tactiledata.export.pictures import png_bytes
 from tactiledata.export.plan import ExportPlan
-from tactiledata.export.recorded_streams import RecordedFrames, RecordedStreams
-from tactiledata.export.recording_log import (
-    IMAGES_AT_ONCE,
-    VALUES,
-    LoggedStream,
-    image_topic,
-    number_message,
-    number_stream,
-    topic_of,
-    write_log,
-)
+from tactiledata.export.recorded_streams import RecordedFrames, RecordedStamps, RecordedStreams
+from tactiledata.export.recording_log import IMAGES_AT_ONCE, LoggedStream, number_stream, write_log
 from tactiledata.formats.mcap.describe import RECORD_KEY, RECORD_NAME
 from tactiledata.formats.mcap.roles import Topic, roles_of
 from tactiledata.store.read.reader import Store
@@ -43,7 +35,8 @@ EXPORT_RECORD = "tactiledata.export"
 """Metadata record that holds what a log's description has no place for."""
 DERIVED = "contact_wrench"
 """Ingest derives it from the readings; a reading of it beside them would be a second truth."""
-MAPPED_NAME = r"[a-z][a-z0-9_]{0,63}"
+MAPPED_NAME = re.compile(r"[a-z][a-z0-9_]{0,63}")
+"""Names that a mapping may give."""
 
 
 class McapExporter(Exporter):
@@ -56,7 +49,10 @@ class McapExporter(Exporter):
         "Values interpolated at the frames: ingest computes them again from the samples.",
         "Captured moments without an image, values that a corpus annotates frame by frame, and meshes of `tactiledata "
         "replay`.",
+        "Which clock wrote a stamp, where a recording had one clock only: its stamps become those of the headers, and "
+        "the log times are the host's.",
         "What ingest left out (damage, samples of a broken clock) is not in the store, so neither is it here.",
+        "Names of columns that ROS 2 allows for no field (`a.b`): they come back as `values[0]` and so on.",
         "Files that a description names, other than pictures without contact: the store keeps no meshes of indenters.",
         "Parts of a split: a recording may hold touches of several. They stand in the metadata record "
         f"`{EXPORT_RECORD}` of each file.",
@@ -97,18 +93,17 @@ class McapExporter(Exporter):
     def _signal(self, store: Store, name: str, stored: str, start: int, stop: int) -> LoggedStream:
         """Return a signal of a recording as a stream of messages."""
         signal = store.signal(stored)
-        topic, kind = topic_of(name, signal.columns)
-        make = partial(number_message, kind, signal.frame, signal.columns, signal.units)
+        make = message_maker(name, signal.columns, signal.frame)
         kinds: tuple[Any, ...] = ("log", "publish", "header")
-        stamps = {each: np.asarray(signal.stamps(each, start, stop)) for each in kinds}
-        return number_stream(topic, kind, make, stamps, np.asarray(signal.values(start, stop)))
+        recorded = (np.asarray(signal.stamps(each, start, stop)) for each in kinds)
+        stamps = RecordedStamps.of(np.asarray(signal.t_ns(start, stop)), *recorded)
+        return number_stream(number_type(name, signal.columns), make, stamps, np.asarray(signal.values(start, stop)))
 
     def _images(
         self, store: Store, camera: str, frames: RecordedFrames, advance: Callable[[int], None]
     ) -> LoggedStream:
         """Return a camera of a recording as a stream of messages; few pictures are read at once."""
         is_raw = frames.are_raw
-        topic, kind = image_topic(camera, is_raw)
 
         def messages() -> Iterator[Callable[[], bytes]]:
             """Yield a function for each message."""
@@ -118,8 +113,7 @@ class McapExporter(Exporter):
                     yield partial(_image_message, frames, place, payload or b"", is_raw)
                 advance(len(payloads))
 
-        publish_ns = np.where(frames.publish_ns < 0, frames.log_ns, frames.publish_ns)
-        return LoggedStream(topic, kind, frames.log_ns, publish_ns, messages)
+        return LoggedStream(image_type(camera, is_raw), frames.stamps, messages)
 
     def _backgrounds(self, store: Store, description: Mapping[str, Any]) -> dict[str, bytes]:
         """Return the pictures without contact that a description names."""
@@ -171,15 +165,16 @@ class McapExporter(Exporter):
             found = recorded.signals(source)
             for name, (stored, _, _) in found.items():
                 signal = store.signal(stored)
-                topic, kind = topic_of(name, signal.columns)
-                topics[topic] = kind
-                is_value = kind == VALUES or (name == DERIVED and "wrench" not in found)
-                if is_value and _is_mapped_name(name):
-                    signals[name] = _mapped(topic, kind, signal.columns, signal.units)
+                logged = number_type(name, signal.columns)
+                topics[logged.topic] = logged.kind
+                must_be_mapped = logged.is_own or (name == DERIVED and "wrench" not in found)
+                if must_be_mapped and MAPPED_NAME.fullmatch(name):
+                    units = [unit if unit != "?" else "1" for unit in signal.units]
+                    signals[name] = {"topic": logged.topic, "fields": list(logged.fields), "units": units}
             for camera, frames in recorded.frames(source).items():
-                topic, kind = image_topic(camera, frames.are_raw)
-                topics[topic] = kind
-                cameras[camera] = {"topic": topic}
+                logged = image_type(camera, frames.are_raw)
+                topics[logged.topic] = logged.kind
+                cameras[camera] = {"topic": logged.topic}
         guessed = roles_of([Topic(topic, kind.replace("/msg/", "/")) for topic, kind in topics.items()])
         are_guessed = {role.camera: role.topic for role in guessed.images} == {
             camera: entry["topic"] for camera, entry in cameras.items()
@@ -190,7 +185,7 @@ class McapExporter(Exporter):
         if signals:
             document["signals"] = signals
         if not are_guessed:
-            document["images"] = {name: entry for name, entry in cameras.items() if _is_mapped_name(name)}
+            document["images"] = {name: entry for name, entry in cameras.items() if MAPPED_NAME.fullmatch(name)}
         return document
 
     def left_out(self, episodes: Episodes) -> dict[str, int]:
@@ -202,11 +197,11 @@ class McapExporter(Exporter):
         """Return the topic of a stream."""
         store = episodes.store
         if stream in store.cameras:
-            return image_topic(stream, False)[0].removesuffix("/compressed")
+            return image_type(stream, True).topic
         base = stream.partition("@")[0]
         if stream not in store.signal_names:
             return "not kept"
-        return topic_of(base, store.signal(stream).columns)[0]
+        return number_type(base, store.signal(stream).columns).topic
 
     def remarks(self, episodes: Episodes) -> list[str]:
         """Return how the files are read back, and what cannot be."""
@@ -234,7 +229,7 @@ class McapExporter(Exporter):
 
 def _image_message(frames: RecordedFrames, place: int, payload: bytes, is_raw: bool) -> bytes:
     """Return a picture as CDR bytes; raw ones of a camera that has both kinds become PNG."""
-    stamp, sensor = max(int(frames.header_ns[place]), 0), frames.sensors[place]
+    stamp, sensor = int(frames.stamps.header_ns[place]), frames.sensors[place]
     height, width = frames.sizes[place].tolist()
     if is_raw:
         return ros2_messages.raw_image(stamp, sensor, "rgb8", height, width, payload)
@@ -242,16 +237,3 @@ def _image_message(frames: RecordedFrames, place: int, payload: bytes, is_raw: b
         pixels: NDArray[np.uint8] = np.frombuffer(payload, np.uint8).reshape(height, width, 3)
         return ros2_messages.compressed_image(stamp, sensor, "png", png_bytes(pixels))
     return ros2_messages.compressed_image(stamp, sensor, frames.encodings[place], payload)
-
-
-def _mapped(topic: str, kind: str, columns: Sequence[str], units: Sequence[str]) -> dict[str, Any]:
-    """Return the entry of a mapping that reads a topic of numbers."""
-    paths = [f"values[{number}]" for number in range(len(columns))]
-    if kind != VALUES:
-        paths = [f"wrench.{part}.{axis}" for part in ("force", "torque") for axis in "xyz"]
-    return {"topic": topic, "fields": paths, "units": [unit if unit != "?" else "1" for unit in units]}
-
-
-def _is_mapped_name(name: str) -> bool:
-    """Whether a mapping may name a signal or camera so."""
-    return re.fullmatch(MAPPED_NAME, name) is not None

@@ -16,6 +16,7 @@ LARGEST_FILE_MB = 2000
 NO_SPLIT = "none"
 """Said in the place of a split's name: everything goes out, unparted."""
 NO_ACTION = "none"
+USUAL_ACTION = "tcp"
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,8 @@ class ExportPlan:
     streams : tuple of str, optional
         ``None``: all values at the frames, and all that a corpus annotates.
     action : str
-        Stream whose value at the next frame is the action; ``"none"`` for no action.
+        Stream whose value at the next frame is the action; ``"none"`` for no action, empty for the pose where there is
+        one.
     file_mb : int
         Size, in 10^6 bytes, at which a file ends and the next begins.
     """
@@ -42,12 +44,29 @@ class ExportPlan:
     split: str = ""
     camera: str = ""
     streams: tuple[str, ...] | None = None
-    action: str = "tcp"
+    action: str = ""
     file_mb: int = 100
 
     def __post_init__(self) -> None:
         if not 1 <= self.file_mb <= LARGEST_FILE_MB:
             raise UsageError(f"files of {self.file_mb} MB", f"a size from 1 to {LARGEST_FILE_MB} MB")
+
+    def require_frames(self, at_frames: bool) -> None:
+        """Refuse choices of frames and values for a format that keeps whole recordings.
+
+        Raises
+        ------
+        UsageError
+            A camera, streams or an action are named, and the format is no format of frames.
+        """
+        chosen = {"--camera": self.camera, "--streams": self.streams, "--action": self.action}
+        named = [option for option, value in chosen.items() if value]
+        if named and not at_frames:
+            raise UsageError(
+                f"{', '.join(named)} with --to {self.to}, which keeps whole recordings",
+                "no choice of cameras or values",
+                f"Leave {' and '.join(named)} out.",
+            )
 
     def document(self) -> dict[str, Any]:
         """Return the options as JSON values."""

@@ -13,13 +13,54 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
+from tactiledata.arrays import Times
 from tactiledata.contract.description import LOG_FORMAT
 from tactiledata.contract.take import FrameFlag
 from tactiledata.store.layout.places import folder_name
 from tactiledata.store.read.reader import Store
 
 TEXTS = ("camera", "sensor", "encoding")
-FRAME_COLUMNS = (*TEXTS, "source", "log_ns", "publish_ns", "header_ns", "height", "width", "flags")
+FRAME_COLUMNS = (*TEXTS, "source", "t_ns", "log_ns", "publish_ns", "header_ns", "height", "width", "flags")
+
+
+@dataclass(frozen=True)
+class RecordedStamps:
+    """Stamps of n messages, (n,) int64 ns each, as a log with three clocks has them.
+
+    Parameters
+    ----------
+    log_ns, publish_ns : (n,) int64
+        When a message was recorded and sent.
+    header_ns : (n,) int64
+        What the message itself says; 0 where it says nothing.
+    """
+
+    log_ns: NDArray[np.int64]
+    publish_ns: NDArray[np.int64]
+    header_ns: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, t_ns: Times, log_ns: Times, publish_ns: Times, header_ns: Times) -> RecordedStamps:
+        """Return the stamps of a stream whose recording had three clocks, or one.
+
+        One clock is that of the stream: it becomes the header's, to which a stated offset applies, and the log time is
+        the host's.
+
+        Parameters
+        ----------
+        t_ns : (n,) int64
+            Host clock.
+        log_ns, publish_ns, header_ns : (n,) int64
+            As recorded; -1 where there is none.
+        """
+        if len(t_ns) and (publish_ns < 0).all() and (header_ns < 0).all():
+            return cls(t_ns, t_ns, np.maximum(log_ns, 0))
+        return cls(log_ns, np.where(publish_ns < 0, log_ns, publish_ns), np.maximum(header_ns, 0))
+
+    def ordered(self) -> tuple[NDArray[np.intp], RecordedStamps]:
+        """Return the order of the log times, and the stamps in it."""
+        order = np.argsort(self.log_ns, kind="stable")
+        return order, RecordedStamps(self.log_ns[order], self.publish_ns[order], self.header_ns[order])
 
 
 @dataclass(frozen=True)
@@ -30,8 +71,7 @@ class RecordedFrames:
     ----------
     rows : (n,) int64
         Rows in the store.
-    log_ns, publish_ns, header_ns : (n,) int64
-        Stamps; -1 where there is none.
+    stamps : RecordedStamps
     sensors : list of n str
     sizes : (n, 2) int64
         Height and width.
@@ -40,9 +80,7 @@ class RecordedFrames:
     """
 
     rows: NDArray[np.int64]
-    log_ns: NDArray[np.int64]
-    publish_ns: NDArray[np.int64]
-    header_ns: NDArray[np.int64]
+    stamps: RecordedStamps
     sensors: list[str]
     sizes: NDArray[np.int64]
     encodings: list[str]
@@ -116,12 +154,12 @@ class RecordedStreams:
         found = {}
         for code in np.unique(columns["camera"][mine]).tolist():
             rows = mine[columns["camera"][mine] == code]
-            rows = rows[np.argsort(columns["log_ns"][rows], kind="stable")]
+            times = (columns[name][rows] for name in ("t_ns", "log_ns", "publish_ns", "header_ns"))
+            order, stamps = RecordedStamps.of(*times).ordered()
+            rows = rows[order]
             found[str(columns["cameras"][code])] = RecordedFrames(
                 rows,
-                columns["log_ns"][rows],
-                columns["publish_ns"][rows],
-                columns["header_ns"][rows],
+                stamps,
                 [name or "" for name in columns["sensors"][columns["sensor"][rows]].tolist()],
                 np.stack([columns["height"][rows], columns["width"][rows]], axis=1).astype(np.int64),
                 columns["encodings"][columns["encoding"][rows]].tolist(),

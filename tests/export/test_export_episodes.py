@@ -1,5 +1,6 @@
 """Which trajectories and frames go out, in which part, and what the page and the document say of them."""
 
+import itertools
 import json
 
 import numpy as np
@@ -50,7 +51,7 @@ def test_groups_keep_parts_apart(parted):
     for largest in (1, 3000, 10**9):
         groups = episodes.groups(largest)
         assert groups[0][0] == 0
-        assert all(end == start for (_, end), (start, _) in zip(groups, groups[1:], strict=False))
+        assert all(end == start for (_, end), (start, _) in itertools.pairwise(groups))
         assert groups[-1][1] == len(episodes)
         assert all(len({*episodes.parts[start:stop]}) == 1 for start, stop in groups)
     assert len(episodes.groups(1)) == len(episodes)
@@ -95,6 +96,13 @@ def test_wrong_options_are_refused(options, error, words, parted, tmp_path):
     with pytest.raises(error, match=words):
         export(parted, "huggingface", tmp_path / "out", **options)
     assert not (tmp_path / "out").exists()
+
+
+def test_choices_of_frames_are_refused_for_whole_recordings(parted, tmp_path):
+    """MCAP keeps whole recordings: a camera, streams or an action would be ignored, and are wrong usage instead."""
+    for options in ({"camera": "digit"}, {"streams": ("wrench",)}, {"action": "none"}):
+        with pytest.raises(UsageError, match="whole recordings"):
+            export(parted, "mcap", tmp_path / "out", **options)
 
 
 def test_several_cameras_must_be_named(tmp_path):

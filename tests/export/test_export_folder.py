@@ -1,5 +1,6 @@
 """An export is there as a whole or not at all, whatever happens on the way, and takes nothing else's place."""
 
+import itertools
 import json
 import os
 import shutil
@@ -21,25 +22,27 @@ CALLS = ("replace", "rename", "fsync", "unlink", "rmdir", "open")
 """Calls that change the disk, at each of which a run is killed."""
 
 
+def counting(patch, at_call):
+    """Each call that changes the disk is counted; the function is told its number."""
+    number = itertools.count()
+
+    def counted(function):
+        def call(*arguments, **options):
+            at_call(next(number))
+            return function(*arguments, **options)
+
+        return call
+
+    for name in CALLS:
+        patch.setattr(os, name, counted(getattr(os, name)))
+
+
 def killed(parted, to, out, moment):
     """Whether an export in a process that is killed at its n-th call that changes the disk came to that call."""
     child = os.fork()
     if child == 0:
-        left = moment
-
-        def counted(function):
-            def call(*arguments, **options):
-                nonlocal left
-                left -= 1
-                if left < 0:
-                    os.kill(os.getpid(), signal.SIGKILL)
-                return function(*arguments, **options)
-
-            return call
-
-        for name in CALLS:
-            setattr(os, name, counted(getattr(os, name)))
         try:
+            counting(pytest.MonkeyPatch(), lambda number: number < moment or os.kill(os.getpid(), signal.SIGKILL))
             export(parted, to, out, file_mb=1)
         finally:
             os._exit(0)
@@ -59,26 +62,31 @@ def test_equal_exports_have_equal_bytes(to, parted, tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("to", EXPORTERS)
 def test_an_export_that_was_killed_ends_like_one_that_was_not(to, parted, tmp_path, monkeypatch):
-    """Killed at every fourth moment: nothing that looks finished is there, and the next run gives the same bytes."""
-    monkeypatch.setattr("tactiledata.export.plan.MEGABYTE", 3000)
+    """Killed at moments all the way: nothing that looks finished is there, and the next run gives the same bytes."""
+    monkeypatch.setattr("tactiledata.export.plan.MEGABYTE", 10_000)
     for name in ("lerobot", "huggingface", "webdataset"):
-        monkeypatch.setattr(f"tactiledata.export.{name}.MEGABYTE", 3000)
-    whole, document = export(parted, to, tmp_path / "whole", file_mb=1)
-    if to not in ("robomimic",):
-        assert sum(name.endswith((".parquet", ".tar", ".mcap")) for name in document["files"]) > 5
+        monkeypatch.setattr(f"tactiledata.export.{name}.MEGABYTE", 10_000)
+    calls = []
+    with monkeypatch.context() as patch:
+        counting(patch, calls.append)
+        whole, document = export(parted, to, tmp_path / "whole", file_mb=1)
+    large = [
+        name
+        for name in document["files"]
+        if name.endswith((".parquet", ".tar", ".mcap")) and "tactiledata/" not in name
+    ]
+    assert len(large) > 3 or to == "robomimic"
     expected = digests(whole)
-    moments = 0
-    for moment in range(0, 2000, 4):
+    # the first and the last calls one by one, where the folder is made and put in its place
+    moments = {*range(3), *range(0, len(calls), max(1, len(calls) // 8)), *range(len(calls) - 6, len(calls))}
+    for moment in sorted(moments):
         out = tmp_path / "killed"
-        if not killed(parted, to, out, moment):
-            break
-        moments += 1
+        assert killed(parted, to, out, moment), moment
         assert not out.exists() or read_export(out) is not None, moment
         export(parted, to, out, file_mb=1)
         assert digests(out) == expected, moment
         assert {path.name for path in tmp_path.iterdir()} == {"whole", "killed"}, moment
         shutil.rmtree(out)
-    assert moments > 3
 
 
 def test_finished_files_are_kept(parted, tmp_path, monkeypatch):
