@@ -2,7 +2,7 @@
 
 - ``export``: `export_data`, from a store to a finished folder; start here.
 - ``base``: what a format offers. A format is one file and one line in the table below.
-- ``episodes``: which trajectories and frames go out, batch by batch. ``pictures``: their bytes.
+- ``find_episodes``, ``episodes``: which trajectories and frames go out, batch by batch. ``pictures``: their bytes.
 - ``meanings``: what each stream means, in words. ``plan``: what decides the bytes of an export.
 - ``folder``: a folder that is finished or not there, whatever moment the process is killed at.
 - ``document``, ``card``, ``tables``: what travels along: `export.json`, a page for people, facts of every recording.

@@ -75,10 +75,14 @@ class Exporter(ABC):
             Called with the number of frames written since the last call.
         """
 
-    @abstractmethod
-    def finish(self, episodes: Episodes, files: Sequence[ExportedFile], facts: Callable[[], Iterator[FileFacts]],
-               folder: Path) -> None:  # fmt: skip
-        """Write the small files that stand beside the large ones.
+    def finish(  # noqa: B027 -- most formats have no small files, and leave it as it is
+        self,
+        episodes: Episodes,
+        files: Sequence[ExportedFile],
+        facts: Callable[[], Iterator[FileFacts]],
+        folder: Path,
+    ) -> None:
+        """Write the small files that stand beside the large ones; none where a format needs none.
 
         Parameters
         ----------

@@ -15,7 +15,8 @@ from tactiledata.export import EXPORTERS
 from tactiledata.export.base import ExportedFile, Exporter, FileFacts
 from tactiledata.export.card import card
 from tactiledata.export.document import export_document, exported_frames
-from tactiledata.export.episodes import Episodes, chosen_split, find_episodes
+from tactiledata.export.episodes import Episodes
+from tactiledata.export.find_episodes import chosen_split, find_episodes
 from tactiledata.export.folder import ExportFolder, export_folder, finished_export, read_export, replaced_folder
 from tactiledata.export.plan import NO_SPLIT, ExportPlan
 from tactiledata.export.tables import write_tables
@@ -84,13 +85,14 @@ def export_data(
     if (document := finished_export(out, key, replace_other)) is not None:
         shutil.rmtree(replaced_folder(out), ignore_errors=True)
         return ExportReport(out, document, was_there=True)
+    # what is wrong with the options is said before anything is made
+    episodes = find_episodes(store, plan, may_be_empty=not exporter.at_frames)
+    files = exporter.files(episodes, plan)
     with export_folder(out, key) as place:
         if (document := read_export(place.folder)) is not None:
             # killed between the last file and the renaming
             place.put_in_place()
             return ExportReport(out, document)
-        episodes = find_episodes(store, plan, may_be_empty=not exporter.at_frames)
-        files = exporter.files(episodes, plan)
         _write_files(exporter, episodes, files, place, progress)
 
         def facts() -> Iterator[FileFacts]:

@@ -221,7 +221,13 @@ def export_folder(out: Path, key: str) -> Iterator[ExportFolder]:
                 f"another process makes an export at {out}", "one at a time", "Wait until it has ended."
             ) from error
         _clear(folder, key)
-        yield ExportFolder(out, folder)
+        try:
+            yield ExportFolder(out, folder)
+        except Exception:
+            # nothing to go on from: what failed will fail again
+            if not (folder / NOTES).is_dir():
+                shutil.rmtree(folder, ignore_errors=True)
+            raise
     finally:
         os.close(descriptor)
 

@@ -20,7 +20,7 @@ KIND = "float64"
 
 
 class HuggingFaceExporter(Exporter):
-    """Parquet with pictures."""
+    """Writes parquet files with pictures for `datasets`."""
 
     name = "huggingface"
     title = "Hugging Face datasets: parquet with pictures"
@@ -43,7 +43,19 @@ class HuggingFaceExporter(Exporter):
         return files
 
     def write(self, episodes: Episodes, file: ExportedFile, path: Path, advance: Callable[[int], None]) -> FileFacts:
-        """Write the rows of some episodes, and count missing values."""
+        """Write the rows of some episodes, and count missing values.
+
+        Parameters
+        ----------
+        episodes : Episodes
+            What is exported.
+        file : ExportedFile
+            Which of it.
+        path : Path
+            Where the file is written.
+        advance : callable
+            Called with the number of frames written since the last call.
+        """
         noted = no_counts()
 
         def rows() -> Iterator[Mapping[str, Any]]:
@@ -86,15 +98,6 @@ class HuggingFaceExporter(Exporter):
         names = [f"{uid}_{batch.first + place:06d}.{SUFFIX[kind]}" for place, (_, kind, _) in enumerate(batch.pictures)]
         columns[self.kept_as(episodes.camera, episodes)] = pictures([each[0] for each in batch.pictures], names)
         return columns
-
-    def finish(
-        self,
-        episodes: Episodes,
-        files: Sequence[ExportedFile],
-        facts: Callable[[], Iterator[FileFacts]],
-        folder: Path,
-    ) -> None:
-        """Write nothing: the page for people names the files of each split."""
 
     def kept_as(self, stream: str, episodes: Episodes) -> str:
         """Return the stream's own name; one that every row uses for something else gets an underscore."""

@@ -38,7 +38,7 @@ SECOND = 10**9
 
 
 class LeRobotExporter(Exporter):
-    """LeRobot v3."""
+    """Writes a LeRobot dataset, version 3."""
 
     name = "lerobot"
     title = "LeRobot dataset v3: an episode a touch, pictures in parquet"
@@ -61,7 +61,19 @@ class LeRobotExporter(Exporter):
         ]
 
     def write(self, episodes: Episodes, file: ExportedFile, path: Path, advance: Callable[[int], None]) -> FileFacts:
-        """Write the rows of some episodes, and note the statistics of each."""
+        """Write the rows of some episodes, and note the statistics of each.
+
+        Parameters
+        ----------
+        episodes : Episodes
+            What is exported.
+        file : ExportedFile
+            Which of it.
+        path : Path
+            Where the file is written.
+        advance : callable
+            Called with the number of frames written since the last call.
+        """
         noted = no_counts()
         found: list[dict[str, Any]] = []
         _, task_of = _tasks(episodes)
@@ -133,7 +145,19 @@ class LeRobotExporter(Exporter):
         facts: Callable[[], Iterator[FileFacts]],
         folder: Path,
     ) -> None:
-        """Write what LeRobot keeps in `meta`: info, tasks, episodes and statistics."""
+        """Write what LeRobot keeps in `meta`: info, tasks, episodes and statistics.
+
+        Parameters
+        ----------
+        episodes : Episodes
+            What is exported.
+        files : sequence of ExportedFile
+            The large files.
+        facts : callable
+            Gives what was noted of each of them.
+        folder : Path
+            Where the export is made.
+        """
         tasks, task_of = _tasks(episodes)
         write_json_atomic(folder / "meta" / "info.json", self._info(episodes, tasks))
         table = pd.DataFrame({"task_index": range(len(tasks))}, index=tasks)

@@ -40,7 +40,7 @@ MAPPED_NAME = re.compile(r"[a-z][a-z0-9_]{0,63}")
 
 
 class McapExporter(Exporter):
-    """MCAP of ROS 2 messages."""
+    """Writes MCAP files of ROS 2 messages."""
 
     name = "mcap"
     title = "MCAP: ROS 2 messages at native rate, for Foxglove and for reading back"
@@ -76,7 +76,19 @@ class McapExporter(Exporter):
         ]
 
     def write(self, episodes: Episodes, file: ExportedFile, path: Path, advance: Callable[[int], None]) -> FileFacts:
-        """Write one recording."""
+        """Write one recording.
+
+        Parameters
+        ----------
+        episodes : Episodes
+            What is exported.
+        file : ExportedFile
+            Which of it.
+        path : Path
+            Where the file is written.
+        advance : callable
+            Called with the number of frames written since the last call.
+        """
         store, source, recorded = episodes.store, file.start, self._of(episodes.store)
         streams = [self._signal(store, name, *place) for name, place in recorded.signals(source).items()]
         for camera, frames in recorded.frames(source).items():
@@ -149,7 +161,19 @@ class McapExporter(Exporter):
         facts: Callable[[], Iterator[FileFacts]],
         folder: Path,
     ) -> None:
-        """Write a mapping where our reader could not tell by their names which topic is what."""
+        """Write a mapping where our reader could not tell by their names which topic is what.
+
+        Parameters
+        ----------
+        episodes : Episodes
+            What is exported.
+        files : sequence of ExportedFile
+            The large files.
+        facts : callable
+            Gives what was noted of each of them.
+        folder : Path
+            Where the export is made.
+        """
         mapping = self._mapping(episodes)
         if mapping is not None:
             text = yaml.safe_dump(mapping, sort_keys=False, allow_unicode=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import ClassVar
 
@@ -25,7 +25,7 @@ SAME_FILE = b"."
 
 
 class RobomimicExporter(Exporter):
-    """robomimic's HDF5."""
+    """Writes an HDF5 file of demonstrations for robomimic."""
 
     name = "robomimic"
     title = "robomimic: HDF5 of demonstrations"
@@ -44,7 +44,19 @@ class RobomimicExporter(Exporter):
         return [ExportedFile(FILE, 0, len(episodes), len(episodes.index.rows))]
 
     def write(self, episodes: Episodes, file: ExportedFile, path: Path, advance: Callable[[int], None]) -> FileFacts:
-        """Write all demonstrations."""
+        """Write all demonstrations.
+
+        Parameters
+        ----------
+        episodes : Episodes
+            What is exported.
+        file : ExportedFile
+            Which of it.
+        path : Path
+            Where the file is written.
+        advance : callable
+            Called with the number of frames written since the last call.
+        """
         noted = no_counts()
         with h5py.File(path, "w") as made:
             data = made.create_group("data")
@@ -99,15 +111,6 @@ class RobomimicExporter(Exporter):
             demo["actions" if name == "action" else f"obs/{self.kept_as(name, episodes)}"][place] = values
         for offset, (content, _, _) in enumerate(batch.pictures):
             demo[f"obs/{self.kept_as(episodes.camera, episodes)}"][batch.first + offset] = decode_rgb(content)
-
-    def finish(
-        self,
-        episodes: Episodes,
-        files: Sequence[ExportedFile],
-        facts: Callable[[], Iterator[FileFacts]],
-        folder: Path,
-    ) -> None:
-        """Write nothing: robomimic has one file."""
 
     def kept_as(self, stream: str, episodes: Episodes) -> str:
         """Return the key of an observation; pictures end with ``_image``, and no key holds a slash."""

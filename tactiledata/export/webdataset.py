@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import tarfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -21,7 +21,7 @@ SHOWN = 5
 
 
 class WebDatasetExporter(Exporter):
-    """Tar files of pictures and JSON."""
+    """Writes tar files of pictures and JSON documents."""
 
     name = "webdataset"
     title = "WebDataset: tar files of pictures and JSON"
@@ -46,7 +46,19 @@ class WebDatasetExporter(Exporter):
         ]  # fmt: skip
 
     def write(self, episodes: Episodes, file: ExportedFile, path: Path, advance: Callable[[int], None]) -> FileFacts:
-        """Write the samples of some episodes."""
+        """Write the samples of some episodes.
+
+        Parameters
+        ----------
+        episodes : Episodes
+            What is exported.
+        file : ExportedFile
+            Which of it.
+        path : Path
+            Where the file is written.
+        advance : callable
+            Called with the number of frames written since the last call.
+        """
         noted = no_counts()
         with tarfile.open(path, "w", format=tarfile.USTAR_FORMAT) as shard:
             for batch in episodes.batches(file.start, file.stop):
@@ -77,15 +89,6 @@ class WebDatasetExporter(Exporter):
                 for name, values in batch.values.items()
             },
         }
-
-    def finish(
-        self,
-        episodes: Episodes,
-        files: Sequence[ExportedFile],
-        facts: Callable[[], Iterator[FileFacts]],
-        folder: Path,
-    ) -> None:
-        """Write nothing: what the numbers mean stands in the document of the export."""
 
     def kept_as(self, stream: str, episodes: Episodes) -> str:
         """Return where a sample has the stream."""

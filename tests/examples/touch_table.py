@@ -27,9 +27,6 @@ class TouchTableExporter(Exporter):
         path.write_text("\n".join(lines) + "\n", encoding="utf-8")
         return noted
 
-    def finish(self, episodes, files, facts, folder):
-        """No small files; the document, the page and the tables of facts are written for every format."""
-
     def kept_as(self, stream, episodes):
         """Only one stream is kept."""
         return "largest_fz_n" if stream == "contact_wrench" else "not kept"

@@ -10,7 +10,7 @@ from exported import expected_frames, export, nan_equal
 from loader_stores import split_store, write_loader_store
 
 from tactiledata.errors import LeakError, MissingSplit, UnknownName, UsageError
-from tactiledata.export.episodes import UNSPLIT, find_episodes
+from tactiledata.export.find_episodes import UNSPLIT, find_episodes
 from tactiledata.export.plan import ExportPlan
 
 

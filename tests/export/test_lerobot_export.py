@@ -12,7 +12,7 @@ from loader_stores import split_store
 from owner_loaders import run_program, snippet_of
 
 from tactiledata.errors import UsageError
-from tactiledata.export.episodes import find_episodes
+from tactiledata.export.find_episodes import find_episodes
 from tactiledata.export.lerobot import frames_per_second
 from tactiledata.export.plan import ExportPlan
 from tactiledata.store.read.reader import Store

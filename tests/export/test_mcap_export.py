@@ -126,6 +126,10 @@ def test_signals_of_any_name_come_back_by_the_mapping(encoding, tmp_path):
     back = Store.open(tmp_path / "back.zarr")
     assert set(store.cameras) == set(back.cameras) == {"left_pad", "right_pad"}
     same_signals(store, back, ["temperature"])
+    with (out / "run.mcap").open("rb") as stream:
+        reader = make_reader(stream, decoder_factories=[DecoderFactory()])
+        read = [m.t0 for _, _, _, m in reader.iter_decoded_messages(topics=["/tactiledata/temperature"])]
+    assert read == store.signal("temperature").values(0, len(read))[:, 0].tolist()
     assert back.encoded(range(back.n_frames)) == store.encoded(range(store.n_frames))
     assert back.frames(["encoding"]).to_pylist() == store.frames(["encoding"]).to_pylist()
 
