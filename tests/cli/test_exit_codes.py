@@ -30,6 +30,7 @@ MISSING_PATH = {
     "evaluate": ["nowhere.yaml"],
     "run": ["nowhere.yaml"],
     "export": ["nowhere.yaml"],
+    "export-data": [NOWHERE, "--to", "lerobot"],
     "fine-tune": [NOWHERE],
 }
 WITHOUT_PATHS = {"formats", "indenters", "effects"}
@@ -47,6 +48,8 @@ WRONG_CALLS = {
     "audit of an unknown split": ["audit", "ds.zarr", "--split", "nope"],
     "no path at all": ["ingest"],
     "a scene of no such trajectory": ["scene", "ds.zarr", "--trajectory", "nope", "--out", "scene.xml"],
+    "an export in no known format": ["export-data", "ds.zarr", "--to", "avi"],
+    "an export without a format": ["export-data", "ds.zarr"],
     "a scene as a film": ["scene", "ds.zarr", "--trajectory", "t00000", "--out", "scene.mp4"],
     "a replay without a material": ["replay", "ds.zarr", "--friction", "0.8"],
     "a recipe that does not come with it": ["train", "nope"],
