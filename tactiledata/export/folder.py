@@ -59,6 +59,10 @@ def finished_export(out: Path, key: str, replace: bool) -> dict[str, Any] | None
     """
     if not out.exists() and not out.is_symlink():
         return None
+    if Path.cwd().is_relative_to(out.resolve()):
+        raise UsageError(
+            f"{out} is the working folder, or holds it", "a place for a new folder", "Name a folder inside with --out."
+        )
     if not out.is_dir():
         raise UsageError(f"{out} is no folder", "a place for a new folder", "Name another place with --out.")
     names = sorted(path.name for path in out.iterdir())
@@ -82,6 +86,12 @@ def finished_export(out: Path, key: str, replace: bool) -> dict[str, Any] | None
             "an empty folder, or an export of the same store with the same options",
             "--replace replaces it; --out names another place.",
         )
+    if added := _added_file(out, document):
+        raise UsageError(
+            f"{out} holds {added}, which is no part of the export there",
+            "an export and nothing else, as all of it would go",
+            "Move it, or name another place with --out.",
+        )
     return None
 
 
@@ -92,6 +102,12 @@ def _missing_file(out: Path, document: Mapping[str, Any]) -> str:
         if not path.is_file() or path.stat().st_size != facts["bytes"]:
             return str(name)
     return ""
+
+
+def _added_file(out: Path, document: Mapping[str, Any]) -> str:
+    """Return the first file in a folder that is not of its export; empty where there is none."""
+    names = (path.relative_to(out).as_posix() for path in sorted(out.rglob("*")) if not path.is_dir())
+    return next((name for name in names if name not in document["files"] and name != DOCUMENT), "")
 
 
 class ExportFolder:

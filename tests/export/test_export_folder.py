@@ -5,6 +5,7 @@ import json
 import os
 import shutil
 import signal
+from pathlib import Path
 
 import pytest
 from copied_trees import copy_tree
@@ -163,6 +164,20 @@ def test_nothing_else_is_overwritten(what, parted, tmp_path):
     else:
         with pytest.raises(UsageError, match=str(out)):
             export_data(parted, ExportPlan("huggingface"), out, replace_other=True)
+
+
+def test_files_that_somebody_added_are_not_replaced(parted, tmp_path, monkeypatch):
+    """What lies in an export and is not of it stays, with --replace too; so does the working folder."""
+    out, _ = export(parted, "webdataset", tmp_path / "out")
+    (out / "notes.txt").write_text("mine")
+    with pytest.raises(UsageError, match=r"notes\.txt"):
+        export_data(parted, ExportPlan("huggingface"), out, replace_other=True)
+    assert (out / "notes.txt").read_text() == "mine"
+    (tmp_path / "here" / "deep").mkdir(parents=True)
+    monkeypatch.chdir(tmp_path / "here" / "deep")
+    for place in (".", "..", str(tmp_path / "here")):
+        with pytest.raises(UsageError, match="working folder"):
+            export_data(parted, ExportPlan("huggingface"), Path(place))
 
 
 def test_an_export_killed_while_it_takes_anothers_place(parted, tmp_path):
