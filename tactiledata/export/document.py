@@ -44,9 +44,10 @@ def export_document(
     """
     store = episodes.store
     missing: dict[str, int] = {}
-    remade = 0
+    remade = undescribed = 0
     for noted in facts:
         remade += noted.get("remade", 0)
+        undescribed += noted.get("undescribed", 0)
         for name, count in noted.get("missing", {}).items():
             missing[name] = missing.get(name, 0) + count
     inputs = {"store": store.digest, **({} if split is None else {"split": digest_of(split)})}
@@ -67,7 +68,7 @@ def export_document(
         "simulated_recordings": simulated_recordings(store).document(),
         "left_out": exporter.left_out(episodes),
         "lost": list(exporter.lost),
-        "remarks": [*_general_remarks(exporter, episodes, missing, remade), *exporter.remarks(episodes)],
+        "remarks": [*_general_remarks(exporter, episodes, missing, remade, undescribed), *exporter.remarks(episodes)],
         "provenance": provenance("export-data", inputs, plan.document()),
     }
 
@@ -107,7 +108,9 @@ def _columns(episodes: Episodes, name: str) -> tuple[tuple[str, ...], tuple[str,
     return signal.columns, signal.units
 
 
-def _general_remarks(exporter: Exporter, episodes: Episodes, missing: Mapping[str, int], remade: int) -> list[str]:
+def _general_remarks(
+    exporter: Exporter, episodes: Episodes, missing: Mapping[str, int], remade: int, undescribed: int
+) -> list[str]:
     """Return what an export derives, and which values it lacks, whatever its format."""
     remarks = []
     if exporter.at_frames and episodes.action is not None:
@@ -123,6 +126,11 @@ def _general_remarks(exporter: Exporter, episodes: Episodes, missing: Mapping[st
         remarks.append(
             f"{counted(remade, 'picture')} became PNG, without loss: raw frames, and files that readers understand in "
             "different ways (grey, indexed, alpha, 16 bits, an orientation in the metadata)."
+        )
+    if undescribed:
+        remarks.append(
+            f"{counted(undescribed, 'recording')} say of themselves what no log may (no sensor is known, for example): "
+            "it stands in the record `tactiledata.export` of the file, and ingest does not read it."
         )
     return remarks
 

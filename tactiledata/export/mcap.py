@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from tactiledata.contract import ros2_messages
 from tactiledata.contract.atomic import write_atomic
-from tactiledata.contract.description import LogDescription
 from tactiledata.contract.provenance import json_bytes
 from tactiledata.contract.simulated import recording_kind
 from tactiledata.export.base import ExportedFile, Exporter, FileFacts
@@ -93,14 +92,14 @@ class McapExporter(Exporter):
         streams = [self._signal(store, name, *place) for name, place in recorded.signals(source).items()]
         for camera, frames in recorded.frames(source).items():
             streams.append(self._images(store, camera, frames, advance))
-        description = recorded.description(source)
-        metadata = {EXPORT_RECORD: {"export": json_bytes(self._own_record(episodes, source)).decode()}}
+        description, others = recorded.description(source)
+        own_record = {**self._own_record(episodes, source), "description": others}
+        metadata = {EXPORT_RECORD: {"export": json_bytes(own_record).decode()}}
         if description:
-            LogDescription.checked(description, recorded.sources[source]["key"])
             metadata = {RECORD_NAME: {RECORD_KEY: json_bytes(description).decode()}, **metadata}
         with path.open("wb") as stream:
             write_log(stream, streams, metadata, self._backgrounds(store, description), recorded.sources[source]["key"])
-        return {}
+        return {"undescribed": int(not description)}
 
     def _signal(self, store: Store, name: str, stored: str, start: int, stop: int) -> LoggedStream:
         """Return a signal of a recording as a stream of messages."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import PurePosixPath
@@ -14,8 +14,10 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from tactiledata.arrays import Times
-from tactiledata.contract.description import LOG_FORMAT
+from tactiledata.contract.description import LOG_FORMAT, LogDescription
+from tactiledata.contract.schema import load_schema
 from tactiledata.contract.take import FrameFlag
+from tactiledata.errors import SchemaError
 from tactiledata.store.layout.places import folder_name
 from tactiledata.store.read.reader import Store
 
@@ -190,19 +192,41 @@ class RecordedStreams:
         """Return the trajectories of a recording, each with its row in the store's table."""
         return self._trajectories.get(source, [])
 
-    def description(self, source: int) -> Mapping[str, Any]:
-        """Return what a recording says of itself, with the trajectories that it named wherever it named them."""
+    def description(self, source: int) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
+        """Return the description of a recording as a log carries it, and what of it no log does.
+
+        The first has the trajectories that the recording named, wherever it named them. It is empty where a reader of
+        logs would refuse it, as where no sensor is known; the second is then all of it.
+        """
         stated = dict(json.loads(self.sources[source]["description"] or "{}"))
-        named = [facts for facts in self.trajectories(source) if facts["segmented"] == "log"]
-        if "trajectories" not in stated and named:
-            stated["trajectories"] = [_described(facts) for facts in named]
-        if "sensors" not in stated:
-            sensors = {facts["sensor"] for facts in self.trajectories(source)} - {"", None}
-            known = self._store.sensors()
-            stated["sensors"] = {
-                name: {"model": known.get(name, {}).get("model") or "unknown"} for name in sorted(sensors)
-            }
-        return {**stated, "format": LOG_FORMAT} if stated["sensors"] else {}
+        named = {facts["trajectory"]: facts for facts in self.trajectories(source) if facts["segmented"] == "log"}
+        if named:
+            # as the store has them: a transfer keeps the description, and its touches have another sensor
+            before = [each for each in stated.get("trajectories", []) if each["trajectory"] not in named]
+            stated["trajectories"] = [*before, *map(_described, named.values())]
+        stated["sensors"] = self._sensors(stated.get("sensors", {}), self.trajectories(source))
+        fields = load_schema("log")["properties"]
+        others = {name: value for name, value in stated.items() if name not in fields}
+        log = {**{name: value for name, value in stated.items() if name in fields}, "format": LOG_FORMAT}
+        try:
+            LogDescription.checked(log, self.sources[source]["key"])
+        except SchemaError:
+            return {}, stated
+        return log, others
+
+    def _sensors(self, stated: Mapping[str, Any], touches: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+        """Return the sensors of a recording as a description states them, with those that only its touches name.
+
+        Pictures without contact are named where the store holds them, and nowhere else.
+        """
+        held, known = self._store.manifest["references"], self._store.sensors()
+        touched = sorted({touch["sensor"] for touch in touches} - {"", None, *stated})
+        sensors = {**stated, **{name: {"model": known.get(name, {}).get("model") or "unknown"} for name in touched}}
+        for name, facts in sensors.items():
+            picture = {"background": facts.get("background", f"backgrounds/{folder_name(name)}.png")}
+            others = {key: value for key, value in facts.items() if key != "background"}
+            sensors[name] = {**others, **(picture if name in held else {})}
+        return sensors
 
 
 def _described(facts: Mapping[str, Any]) -> dict[str, Any]:

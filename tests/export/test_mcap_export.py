@@ -47,6 +47,7 @@ def world(request, tmp_path_factory):
     return store, out, document, Store.open(place / "back.zarr")
 
 
+@pytest.mark.slow
 def test_our_reader_gets_the_same_store_back(world):
     """Signals, aligned values, contact forces, frames, their bytes, trajectories and descriptions are equal."""
     store, _, _, back = world
@@ -66,6 +67,7 @@ def test_our_reader_gets_the_same_store_back(world):
         assert {name: again[name] for name in stated} == stated
 
 
+@pytest.mark.slow
 def test_stamps_of_an_mcap_recording_stay(tiny_mcaps, tmp_path):
     """All three stamps of every image and sample are those of the recording."""
     ingest(tiny_mcaps, tmp_path / "ds.zarr")
@@ -80,6 +82,7 @@ def test_stamps_of_an_mcap_recording_stay(tiny_mcaps, tmp_path):
             assert np.array_equal(store.signal(name).stamps(kind, *rows), back.signal(name).stamps(kind, *rows))
 
 
+@pytest.mark.slow
 def test_other_readers_find_well_known_types(world):
     """The `mcap` package and its ROS 2 decoder find types that Foxglove shows, and the values of the store."""
     store, out, document, _ = world
@@ -107,6 +110,7 @@ def test_other_readers_find_well_known_types(world):
     assert pictures == store.encoded(range(len(pictures)))
 
 
+@pytest.mark.slow
 def test_the_page_shows_lines_that_run(world, monkeypatch, capsys):
     """The lines under Loading list topics with their numbers of messages."""
     _, out, _, _ = world
@@ -163,3 +167,24 @@ def test_recordings_of_one_name_get_two(tmp_path):
     names = recorded.file_names
     assert len(set(names)) == 3
     assert all(Path(name).name == name and name.startswith("day%2Frun-") for name in names)
+
+
+def test_descriptions_that_no_log_may_hold(tmp_path):
+    """What a transfer notes goes into the record of the export; a recording without a known sensor says that it did."""
+    store = write_loader_store(tmp_path / "ds.zarr", n_sources=2)
+    recorded = RecordedStreams(store)
+    touch = {"trajectory": "t1", "start_ns": 6000, "end_ns": 12000, "sensor": "D7"}
+    gone = {"trajectory": "gone", "start_ns": 90000, "end_ns": 91000}
+    stated = {"sensors": {"D1": {"model": "digit"}}, "trajectories": [touch, gone], "transfer": {"to": "ycb-sensorA"}}
+    recorded.__dict__["sources"] = [
+        {**recorded.sources[0], "description": json.dumps(stated)},
+        {**recorded.sources[1], "description": json.dumps({"sensors": {"D2": {"model": 7}}})},
+    ]
+    log, others = recorded.description(0)
+    assert log["sensors"] == stated["sensors"]
+    assert [touch["trajectory"] for touch in log["trajectories"]] == ["gone", "t0", "t1", "t2"]
+    assert log["trajectories"][2]["sensor"] == "D1"
+    assert others == {"transfer": {"to": "ycb-sensorA"}}
+    log, others = recorded.description(1)
+    assert log == {}
+    assert others["sensors"] == {"D2": {"model": 7}}
