@@ -181,7 +181,7 @@ def test_descriptions_that_no_log_may_hold(tmp_path):
         {**recorded.sources[1], "description": json.dumps({"sensors": {"D2": {"model": 7}}})},
     ]
     log, others = recorded.description(0)
-    assert log["sensors"] == stated["sensors"]
+    assert log["sensors"] == {"D1": {"model": "digit", "background": "backgrounds/D1.png"}}
     assert [touch["trajectory"] for touch in log["trajectories"]] == ["gone", "t0", "t1", "t2"]
     assert log["trajectories"][2]["sensor"] == "D1"
     assert others == {"transfer": {"to": "ycb-sensorA"}}
