@@ -187,4 +187,4 @@ def test_descriptions_that_no_log_may_hold(tmp_path):
     assert others == {"transfer": {"to": "ycb-sensorA"}}
     log, others = recorded.description(1)
     assert log == {}
-    assert others["sensors"] == {"D2": {"model": 7}}
+    assert others["sensors"]["D2"]["model"] == 7
