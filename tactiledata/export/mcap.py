@@ -231,7 +231,7 @@ class McapExporter(Exporter):
         mapping = self._mapping(episodes)
         how = f" --mapping {MAPPING}" if mapping is not None else ""
         return [
-            f"`tactiledata ingest . --store back.zarr{how}` reads the files back, stamps and bytes of pictures as they "
+            f"`tactiledata ingest . --store back.zarr{how}` reads the files back, times and bytes of pictures as they "
             "were.",
             f"The topic of {DERIVED} is for viewers: ingest derives it again.",
         ]
