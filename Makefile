@@ -5,7 +5,9 @@ BIN     = $(VENV)/bin
 INSTALLED = $(VENV)/.installed
 OUT    ?= demo-out
 
-.PHONY: help demo test quick check bench site mutants wheel-test clean
+OWNERS  = $(VENV)/owners
+
+.PHONY: help demo test quick check bench site mutants owners wheel-test clean
 
 help:            ## this list
 	@grep -hE '^[a-z-]+: .*##|^[a-z-]+:  *##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
@@ -19,8 +21,15 @@ $(INSTALLED): pyproject.toml constraints.txt
 demo: $(INSTALLED)   ## the main job end to end on the embedded recorded world; ends with a report to open
 	$(BIN)/tactiledata demo --out $(OUT)
 
+$(OWNERS)/.installed: $(INSTALLED) tests/export/owners.txt
+	rm -rf $(OWNERS)
+	$(BIN)/pip install --quiet --no-deps --target $(OWNERS) -r tests/export/owners.txt
+	@touch $@
+
+owners: $(OWNERS)/.installed  ## the loaders of LeRobot and robomimic, beside the environment, for the tests of exports
+
 # two workers share the cores: threads of each would only get in each other's way
-test: $(INSTALLED)   ## every test, slow ones included
+test: $(INSTALLED) $(OWNERS)/.installed   ## every test, slow ones included
 	OMP_NUM_THREADS=1 TACTILE_REQUIRE_ALL=1 $(BIN)/python -m pytest -n 2 --dist worksteal
 
 quick: $(INSTALLED)  ## the fast tests

@@ -13,6 +13,8 @@ from split_models.transfer.pixels import PIXEL_TRANSFERS
 from tactiledata.compute import SCHEDULERS
 from tactiledata.effects import EFFECTS
 from tactiledata.errors import BrokenLog, TactileDataError, UnknownName
+from tactiledata.export import EXPORTERS
+from tactiledata.export.base import Exporter
 from tactiledata.formats import FORMATS
 from tactiledata.formats.base import Format
 from tactiledata.indenters import INDENTERS
@@ -29,6 +31,7 @@ TABLES = {
     "compute": SCHEDULERS,
     "effects": EFFECTS,
     "metrics": METRICS,
+    "export": EXPORTERS,
     "pixel_transfer": PIXEL_TRANSFERS,
 }
 
@@ -101,6 +104,17 @@ def test_sniffing_is_never_fooled_into_an_error(name, tmp_path):
     (tmp_path / "dangling.csv").symlink_to(tmp_path / "nowhere")
     for path in [*tmp_path.iterdir(), tmp_path / "nowhere"]:
         assert member.sniff(path) is False, path
+
+
+@pytest.mark.parametrize("name", EXPORTERS)
+def test_exporters_describe_themselves(name):
+    """A format of exports has a title, whole sentences on what it loses, and a section in docs/export.md."""
+    member = EXPORTERS[name]()
+    assert isinstance(member, Exporter)
+    assert member.title
+    assert member.lost
+    assert all(sentence[0].isupper() and sentence.endswith(".") for sentence in member.lost)
+    assert f"--to {name}" in (ROOT / "docs" / "export.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("name", INDENTERS)
@@ -190,6 +204,22 @@ def test_the_example_metric_keeps_the_law_of_metrics():
     mask = np.zeros((2, 8, 8), bool)
     mask[0, 5:, 5:] = True
     np.testing.assert_array_equal(score(ours, true, mask), [30, np.nan])
+
+
+def test_the_example_exporter_writes_a_table(tiny_store, tmp_path, monkeypatch):
+    """A row a touch, and all that an export carries, stand in a folder that the example never sees."""
+    example("touch_table")
+    monkeypatch.setitem(EXPORTERS._table, "touch_table", "touch_table:TouchTableExporter")
+    from tactiledata.export.export import export_data
+    from tactiledata.export.plan import ExportPlan
+    from tactiledata.store.read.reader import Store
+
+    report = export_data(Store.open(tiny_store), ExportPlan("touch_table"), tmp_path / "out")
+    lines = (tmp_path / "out" / "touches.csv").read_text().splitlines()
+    assert lines[0] == "trajectory,part,largest_fz_n"
+    assert len(lines) == 1 + 4
+    assert max(float(line.split(",")[2]) for line in lines[1:]) > 1
+    assert set(report.document["files"]) >= {"touches.csv", "README.md", "tactiledata/trajectories.parquet"}
 
 
 def test_the_error_tree_is_drawn_as_it_is():

@@ -25,15 +25,17 @@ def export(
 ) -> None:
     """Export the VAEs and projections of a recipe as ONNX files.
 
-    Missing models are trained first. Each file is compared with PyTorch.
+    Missing models are trained first. Each file is compared with PyTorch. `tactiledata export-data` exports recordings.
 
     Example: tactiledata export split_backbone --to onnx
     """
     from split_models.commands.verbs import opened_run
     from tactiledata.errors import UnknownName
+    from tactiledata.export import EXPORTERS
 
     if to != "onnx":
-        raise UnknownName("format of exported models", to, ("onnx",))
+        remedy = f"`tactiledata export-data STORE --to {to}` exports recordings." if to in EXPORTERS else ""
+        raise UnknownName("format of exported models", to, ("onnx",), remedy)
     with opened_run(recipe, scale, "cpu", out, 1, as_json) as recipe_run:
         from split_models.onnx.export import onnx_models
 

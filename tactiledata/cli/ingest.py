@@ -38,7 +38,7 @@ def ingest(
     scheduler: str = typer.Option(None, "--scheduler", help="Address of a Dask scheduler, instead of local processes."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Add recordings to a store; those it already has stay unchanged. Safe to kill and to run again.
+    """Add recordings to a store; those it has stay unchanged. Safe to kill and to run again.
 
     Example: tactiledata ingest recordings --store ds.zarr --workers 2
 

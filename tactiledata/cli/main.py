@@ -14,6 +14,7 @@ from tactiledata.cli import (
     calibrate,
     demo,
     diagnose,
+    export_data,
     families,
     flag,
     ingest,
@@ -42,7 +43,9 @@ app = CheckedApp(
 GROUP = "tactiledata.commands"
 """Group of entry points of packages that add commands: functions of the application."""
 
-for module in (demo, record, families, ingest, store, sensors, flag, split, calibrate, diagnose, replay, scene, view):
+for module in (
+    demo, record, families, ingest, store, sensors, flag, split, export_data, calibrate, diagnose, replay, scene, view,
+):  # fmt: skip
     module.register(app)
 for point in entry_points(group=GROUP):
     point.load()(app)

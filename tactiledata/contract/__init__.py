@@ -7,6 +7,7 @@
   not 8-bit RGB. ``image_sizes``: strays in size. ``image_batches``: how many are read at once.
 - ``tensor_files``, ``lfs_pointer``: files from strangers. ``simulated``, ``wording``: words that are the same
   everywhere.
+- ``ros2_messages``: messages as they stand in an MCAP.
 - ``progress``, ``worker_pool``: long work: who watches, and processes that end with their parent. ``program``: source
   code as bytes for a digest, without words about it.
 

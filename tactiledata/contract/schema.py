@@ -35,6 +35,7 @@ PAGES = {
     "columns": "docs/diagnose-table.md",
     "diagnosis": "docs/diagnose-table.md",
     "effect": "docs/effects.md",
+    "export": "docs/export.md",
     "flags": "docs/splits.md",
     "log": "docs/formats-folder.md",
     "mapping": "docs/formats-mcap.md",
