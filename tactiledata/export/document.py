@@ -12,9 +12,12 @@ from tactiledata.export.episodes import Episodes
 from tactiledata.export.meanings import stream_facts
 from tactiledata.export.plan import ExportPlan
 from tactiledata.loaders.streams import Stream
+from tactiledata.store.read.flags import flag_words, flagged_trajectories
 from tactiledata.store.read.simulated import simulated_recordings
 
 FORMAT = "tactiledata-export/1"
+MOST_FLAGS = 3
+"""Flags that a remark says in full."""
 
 
 def export_document(
@@ -113,6 +116,13 @@ def _general_remarks(
 ) -> list[str]:
     """Return what an export derives, and which values it lacks, whatever its format."""
     remarks = []
+    uids = set(episodes.store.trajectories(["uid"]).take(episodes.trajectories)["uid"].to_pylist())
+    flags = [flag for uid, flag in flagged_trajectories(episodes.store).items() if uid in uids]
+    if flags:
+        remarks.append(
+            f"{counted(len(flags), 'flagged trajectory')} went out as well ({flag_words(flags, MOST_FLAGS)}): the "
+            "column `flag` of `tactiledata/trajectories.parquet` says which. A split that is drawn anew leaves them out."
+        )
     if exporter.at_frames and episodes.action is not None:
         remarks.append(
             f"`action` is derived: the value of `{episodes.action.name}` at the next frame, at the last frame its own. "

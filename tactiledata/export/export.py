@@ -21,6 +21,7 @@ from tactiledata.export.folder import ExportFolder, export_folder, finished_expo
 from tactiledata.export.plan import NO_SPLIT, ExportPlan
 from tactiledata.export.tables import write_tables
 from tactiledata.splits.manifest import load_split
+from tactiledata.store.read.flags import flagged_trajectories
 from tactiledata.store.read.reader import Store
 
 CARD = "README.md"
@@ -81,7 +82,8 @@ def export_data(
     chosen = chosen_split(store, plan.split or None, exporter.at_frames)
     plan = replace(plan, split=chosen)
     split = None if chosen == NO_SPLIT else dict(load_split(store, chosen).document)
-    key = plan.key(store.digest, store.row_state, split)
+    flags = {uid: flag.reason for uid, flag in flagged_trajectories(store).items()}
+    key = plan.key(store.digest, store.row_state, split, flags)
     if (document := finished_export(out, key, replace_other)) is not None:
         shutil.rmtree(replaced_folder(out), ignore_errors=True)
         return ExportReport(out, document, was_there=True)

@@ -72,7 +72,13 @@ class ExportPlan:
         """Return the options as JSON values."""
         return {**vars(self), "streams": None if self.streams is None else list(self.streams)}
 
-    def key(self, store_digest: str, row_state: tuple[int, int, str], split: Mapping[str, Any] | None) -> str:
+    def key(
+        self,
+        store_digest: str,
+        row_state: tuple[int, int, str],
+        split: Mapping[str, Any] | None,
+        flags: Mapping[str, str],
+    ) -> str:
         """Return the digest of all that decides the bytes of the export.
 
         Parameters
@@ -83,6 +89,8 @@ class ExportPlan:
             What decides which row is which.
         split : dict, optional
             The document of the split.
+        flags : dict, uid -> str
+            Reasons for which trajectories are flagged; they are no part of the store's digest.
         """
         return digest_of(
             {
@@ -91,5 +99,6 @@ class ExportPlan:
                 "store": store_digest,
                 "rows": list(row_state),
                 "split": None if split is None else {**split, "provenance": None},
+                "flags": dict(flags),
             }
         )

@@ -11,6 +11,7 @@ from tactiledata.contract.atomic import write_atomic
 from tactiledata.export.episodes import Episodes
 from tactiledata.export.pictures import png_bytes
 from tactiledata.store.layout.places import folder_name
+from tactiledata.store.read.flags import flagged_trajectories
 from tactiledata.store.read.reader import Store
 from tactiledata.store.read.simulated import kinds_of
 
@@ -21,12 +22,16 @@ FOLDER = "tactiledata"
 def write_tables(episodes: Episodes, folder: Path) -> None:
     """Write `trajectories.parquet`, `recordings.parquet` and the pictures without contact into an export.
 
-    A trajectory has the columns of the store's table, and its part, its recording, and the number of its episode.
+    A trajectory has the columns of the store's table, its part, its recording, the number of its episode, and the
+    reason of its flag where a person flagged it as bad.
     """
     store, rows = episodes.store, episodes.trajectories
     table = store.trajectories().take(rows).drop_columns(["source", "frame_start", "frame_stop", "signal_rows"])
     sources = store.sources(["key", "sha256"]).take(store.trajectories(["source"]).take(rows)["source"])
+    flags = flagged_trajectories(store)
+    reasons = [flags[uid].reason if uid in flags else None for uid in table["uid"].to_pylist()]
     columns = {
+        "flag": pa.array(reasons, pa.string()),
         "episode": pa.array(range(len(episodes)), pa.int64()),
         "part": pa.array(episodes.parts, pa.string()),
         "frames": pa.array(episodes.lengths, pa.int64()),

@@ -6,12 +6,14 @@ import json
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
+from copied_trees import copy_tree
 from exported import expected_frames, export, nan_equal
 from loader_stores import split_store, write_loader_store
 
 from tactiledata.errors import LeakError, MissingSplit, UnknownName, UsageError
 from tactiledata.export.find_episodes import UNSPLIT, find_episodes
 from tactiledata.export.plan import ExportPlan
+from tactiledata.loaders.selection import FlaggedTrajectoriesWarning
 
 
 def test_parts_hold_their_own_readable_frames(parted):
@@ -148,3 +150,23 @@ def test_nothing_is_called_simulated_where_it_is_not_stated(unstated, tmp_path):
     out, document = export(Store.open(unstated), "huggingface", tmp_path / "out", split="none")
     assert document["simulated_recordings"] == {"simulated": 0, "real": 0, "not_stated": 2}
     assert "imulated recordings" not in (out / "README.md").read_text()
+
+
+def test_flags_travel_along(tiny_store, tmp_path):
+    """A trajectory that is flagged after the split goes out with its reason; with another flag it is another export."""
+    from tactiledata.store.change.flag import flag_trajectories
+    from tactiledata.store.read.reader import Store
+
+    place = copy_tree(tiny_store, tmp_path / "ds.zarr")
+    _, unflagged = export(Store.open(place), "huggingface", tmp_path / "before")
+    assert not any("flagged" in remark for remark in unflagged["remarks"])
+    uid = Store.open(place).trajectories(["uid"])["uid"][1].as_py()
+    flag_trajectories(str(place), [uid], "the gel slipped")
+    with pytest.warns(FlaggedTrajectoriesWarning):
+        out, flagged = export(Store.open(place), "huggingface", tmp_path / "after")
+    assert flagged["key"] != unflagged["key"]
+    [remark] = [remark for remark in flagged["remarks"] if "flagged" in remark]
+    assert remark.startswith("1 flagged trajectory went out as well (")
+    assert "the gel slipped" in remark
+    touches = pq.read_table(out / "tactiledata" / "trajectories.parquet").to_pylist()
+    assert {touch["uid"]: touch["flag"] for touch in touches if touch["flag"]} == {uid: "the gel slipped"}
