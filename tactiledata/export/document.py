@@ -121,7 +121,7 @@ def _general_remarks(
     if flags:
         remarks.append(
             f"{counted(len(flags), 'flagged trajectory')} went out as well ({flag_words(flags, MOST_FLAGS)}): the "
-            "column `flag` of `tactiledata/trajectories.parquet` says which. A split that is drawn anew leaves them out."
+            "column `flag` of `tactiledata/trajectories.parquet` says which. A split drawn anew leaves them out."
         )
     if exporter.at_frames and episodes.action is not None:
         remarks.append(
