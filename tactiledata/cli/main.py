@@ -10,7 +10,20 @@ from importlib.metadata import entry_points
 import typer
 
 from tactiledata import __version__
-from tactiledata.cli import calibrate, demo, diagnose, families, ingest, record, replay, scene, sensors, split, store
+from tactiledata.cli import (
+    calibrate,
+    demo,
+    diagnose,
+    families,
+    ingest,
+    prove,
+    record,
+    replay,
+    scene,
+    sensors,
+    split,
+    store,
+)
 from tactiledata.cli.failure import DEBUG_VARIABLE, INTERRUPTED, report_failure, report_interruption
 from tactiledata.cli.given_values import CheckedApp
 from tactiledata.errors import TactileDataError
@@ -28,7 +41,7 @@ app = CheckedApp(
 GROUP = "tactiledata.commands"
 """Group of entry points of packages that add commands: functions of the application."""
 
-for module in (demo, record, families, ingest, store, sensors, split, calibrate, diagnose, replay, scene):
+for module in (demo, record, families, ingest, store, sensors, split, calibrate, diagnose, replay, scene, prove):
     module.register(app)
 for point in entry_points(group=GROUP):
     point.load()(app)
