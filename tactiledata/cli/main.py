@@ -16,6 +16,7 @@ from tactiledata.cli import (
     diagnose,
     families,
     ingest,
+    plant,
     prove,
     record,
     replay,
@@ -41,7 +42,7 @@ app = CheckedApp(
 GROUP = "tactiledata.commands"
 """Group of entry points of packages that add commands: functions of the application."""
 
-for module in (demo, record, families, ingest, store, sensors, split, calibrate, diagnose, replay, scene, prove):
+for module in (demo, record, families, ingest, store, sensors, split, calibrate, diagnose, replay, scene, prove, plant):
     module.register(app)
 for point in entry_points(group=GROUP):
     point.load()(app)

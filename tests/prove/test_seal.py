@@ -95,7 +95,7 @@ def test_a_changed_threshold_of_the_tool_is_found(proof, monkeypatch):
     other = dataclasses.replace(naming_options.DEFAULT_THRESHOLDS, usual_claim=3.0)
     options = naming_options.NamingOptions
     monkeypatch.setattr(naming_options, "NamingOptions", lambda: options(thresholds=other))
-    with pytest.raises(UsageError, match="usual_claim is 3.0, was 12.0"):
+    with pytest.raises(UsageError, match=r"usual_claim is 3\.0, was 12\.0"):
         sealing.need_frozen_tool(sealing.read_seal(proof))
     assert any("usual_claim is 3.0" in note for note in verify(proof).notes)
     answer_case(proof, a_name(proof), said([]), 2)
