@@ -161,7 +161,7 @@ def test_chance_plants_everything_and_nothing():
 
 
 def test_the_command_plants_and_goes_on(store, tmp_path):
-    """The command writes copy, seal and label; run again it changes nothing; other options and no forces are refused."""
+    """The command writes copy, seal and label; run again it goes on with them; other options are refused."""
     copy = tmp_path / "blind.zarr"
     words = ["plant", store.location, "--into", str(copy)]
     done = CliRunner().invoke(app, [*words, "--effect", "any"])

@@ -18,7 +18,7 @@ from tactiledata.arrays import Array
 from tactiledata.diagnose.naming.joint_fit import JointFit
 from tactiledata.diagnose.touches.touch_case import TouchSet
 from tactiledata.prove.cases.configuration import Configuration, played_plan
-from tactiledata.prove.cases.kinds import AMBIGUOUS, CONCEALED, DRAWN, NULLS, OUTSIDE, PAIRS, VISIBLE, Sight
+from tactiledata.prove.cases.kinds import AMBIGUOUS, CONCEALED, DRAWN, LOSS_RATIO, NULLS, OUTSIDE, PAIRS, VISIBLE, Sight
 from tactiledata.prove.cases.oracle import PaperCalibration, alike_effects, plain_whitened, refit
 from tactiledata.prove.cases.strengths import drawn_parameters
 from tactiledata.prove.cases.truth import OUTSIDE as OUTSIDE_EFFECTS
@@ -111,10 +111,17 @@ def drawn_case(request: CaseRequest) -> DrawnCase:
         names = chance.choice(allowed, 2 if request.kind == PAIRS else 1, replace=False).tolist()
         drawn = int(chance.integers(2**31))
         hidden = tuple({"effect": name, "parameters": drawn_parameters(name, drawn, BEYOND)} for name in names)
-        sight = world.sight(hidden, with_alike=request.kind == AMBIGUOUS)
-        alone = [world.sight((one,)) for one in hidden] if request.kind == PAIRS and sight.is_visible else []
+        readings = world.readings(hidden)
+        loss_ratio = world.loss_ratio(readings)
+        if request.kind == VISIBLE and loss_ratio <= LOSS_RATIO:
+            # concealed already: no refit is needed to know it
+            continue
+        sight = world.sight(hidden, loss_ratio, with_alike=request.kind == AMBIGUOUS)
+        alone = (
+            [world.sight((one,), loss_ratio) for one in hidden] if request.kind == PAIRS and sight.is_visible else []
+        )
         if is_of_kind(request.kind, sight, alone, [TITLES.get(name, "") for name in names]):
-            return DrawnCase(world.case(request.kind, hidden, sight), world.readings(hidden), tried)
+            return DrawnCase(world.case(request.kind, hidden, sight), readings, tried)
     return DrawnCase(None, [], TRIES)
 
 
@@ -186,20 +193,34 @@ class _World:
         """The paper's calibration of the plan's touches."""
         return PaperCalibration.of(self.touch_set)
 
-    def sight(self, hidden: Sequence[dict[str, Any]], with_alike: bool = False) -> Sight:
-        """Return how much can be seen of what is hidden; effects that imitate it are looked for where asked."""
+    def loss_ratio(self, readings: Sequence[LogReadings]) -> float:
+        """Return the paper's loss on readings after a calibration, over that of the world without what it hides."""
+        loss = self.paper.loss(self.played.maker.observed(readings).wrenches)
+        return round(loss / self.paper.loss(self.unhidden.wrenches), 4)
+
+    def sight(self, hidden: Sequence[dict[str, Any]], loss_ratio: float, with_alike: bool = False) -> Sight:
+        """Return how much can be seen of what is hidden.
+
+        Parameters
+        ----------
+        hidden : sequence of dict
+            Hidden effects as a scenario states them.
+        loss_ratio : float
+            See `loss_ratio`.
+        with_alike : bool
+            Whether effects are looked for that imitate it.
+        """
         maker = self.played.maker
         felt = np.concatenate(maker.observed(self.readings(hidden, is_exact=True)).wrenches)
         change = felt - self.clean
         signal = float(np.sqrt(max(refit(self.touch_set, felt).cost - self.plain.cost, 0.0)))
         whole = float((plain_whitened(self.touch_set, change) ** 2).sum())
-        loss = self.paper.loss(maker.observed(self.readings(hidden)).wrenches)
         alike = alike_effects(self.plain, self.touch_set, change, self.played.effects) if with_alike else {}
         found = self.plain.model.material
         return Sight(
             signal=round(signal, 3),
             absorbed=round(1.0 - min(1.0, signal**2 / whole), 4) if whole > 0 else 0.0,
-            loss_ratio=round(loss / self.paper.loss(self.unhidden.wrenches), 4),
+            loss_ratio=loss_ratio,
             alike=alike,
             unhidden=(found.youngs_modulus, found.poisson_ratio, found.friction),
         )
