@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from naming_asked import asked_cases
 
-from tactiledata.prove.cases.asked import asked_cases
 from tactiledata.prove.element_world.bank import ElementBank, ElementContact
 from tactiledata.prove.worlds.logs import play_logs, unfelt
 from tactiledata.prove.worlds.wedges import WedgePlan

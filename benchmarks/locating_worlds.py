@@ -25,6 +25,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from naming_asked import Asked, asked_cases
 from naming_worlds import Bench
 from numpy.typing import NDArray
 
@@ -43,7 +44,6 @@ from tactiledata.diagnose.unseen.touch_residuals import (
     scatter_beyond_noise,
 )
 from tactiledata.diagnose.zeros.causes import zero_causes
-from tactiledata.prove.cases.asked import Asked, asked_cases
 from tactiledata.prove.cases.kinds import LEAST_SIGNAL
 from tactiledata.prove.worlds.plan import WorldPlan
 from tactiledata.prove.worlds.played_plan import START

@@ -19,11 +19,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from naming_asked import DRAWN, KINDS, Asked, asked_cases
 from naming_summary import summary
 from naming_worlds import Bench, keep_and_tell
 
 from tactiledata.effects import EFFECTS
-from tactiledata.prove.cases.asked import DRAWN, KINDS, Asked, asked_cases
 from tactiledata.prove.worlds.generators import GENERATORS, SOLVED_ANEW, make_generator
 from tactiledata.prove.worlds.solver_errors import OtherSolver
 from tactiledata.prove.worlds.wedges import WedgePlan

@@ -20,11 +20,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from naming_asked import Asked, asked_cases
 from naming_worlds import Bench
 from rival_methods import Case, bic_ladder, gaussian_process, ours, sparse_regression
 from timing import header, table
 
-from tactiledata.prove.cases.asked import Asked, asked_cases
 from tactiledata.prove.worlds.plan import WorldPlan
 from tactiledata.prove.worlds.played_plan import START
 

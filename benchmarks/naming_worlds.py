@@ -24,6 +24,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from naming_asked import KINDS, Asked, asked_cases
 from naming_summary import summary
 
 from tactiledata.diagnose.naming.metric import cosines
@@ -31,7 +32,6 @@ from tactiledata.diagnose.naming.name_effects import NamingResult
 from tactiledata.effects import EFFECTS
 from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.prove.answers.named import named_world
-from tactiledata.prove.cases.asked import KINDS, Asked, asked_cases
 from tactiledata.prove.cases.oracle import refit
 from tactiledata.prove.cases.truth import friction_left, modulus_left
 from tactiledata.prove.score.outcome import DRIFT

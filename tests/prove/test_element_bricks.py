@@ -9,7 +9,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.linalg import spsolve
 
 from tactiledata.prove.element_world.bodies import body_of
-from tactiledata.prove.element_world.pad import Pad
+from tactiledata.prove.element_world.pad import BrickPad
 from tactiledata.prove.element_world.slices import Slices
 from tactiledata.prove.element_world.steps import Stepper
 from tactiledata.prove.element_world.surface import Pose, SpringSurface
@@ -46,8 +46,8 @@ def test_it_shares_nothing_with_the_simulation_and_the_other_generators():
 
 
 def test_an_even_deformation_has_the_forces_of_the_law():
-    """Forces of an even deformation do the work of the energy's derivative, and none is left at inner nodes."""
-    pad = Pad(lines((3, 3, 2), (3.0, 2.0, 1.5)), 0.48)
+    """BrickForces of an even deformation do the work of the energy's derivative, and none is left at inner nodes."""
+    pad = BrickPad(lines((3, 3, 2), (3.0, 2.0, 1.5)), 0.48)
     change = np.array([[1.1, 0.0, 0.3], [0.05, 0.95, -0.1], [0.0, 0.02, 0.93]])
     forces = np.zeros_like(pad.places)
     np.add.at(forces, pad.bricks, pad.respond(pad.places @ (change - np.eye(3)).T).force)
@@ -69,7 +69,7 @@ def test_an_even_deformation_has_the_forces_of_the_law():
 
 def test_stiffness_is_the_derivative_of_the_forces():
     """A small change of the displacements changes each brick's forces by its stiffness times the change."""
-    pad = Pad(lines((2, 2, 1), (2.0, 2.0, 0.8)), 0.48)
+    pad = BrickPad(lines((2, 2, 1), (2.0, 2.0, 0.8)), 0.48)
     chance = np.random.default_rng(1)
     u, step = 0.08 * chance.normal(size=(2, *pad.places.shape))
     change = (pad.respond(u + 1e-4 * step).force - pad.respond(u - 1e-4 * step).force) / 2e-4
@@ -79,7 +79,7 @@ def test_stiffness_is_the_derivative_of_the_forces():
 
 def test_slices_solve_as_a_sparse_matrix_does():
     """Elimination by slices gives the solution of the same sparse system, to single precision."""
-    pad = Pad(lines((3, 2, 2), (3.0, 2.0, 1.0)), 0.48)
+    pad = BrickPad(lines((3, 2, 2), (3.0, 2.0, 1.0)), 0.48)
     slices = Slices(pad)
     stiffness = pad.respond(np.zeros_like(pad.places)).stiffness.astype(float)
     mine = slices.unknown[pad.bricks].reshape(len(pad.bricks), 24)
@@ -99,7 +99,7 @@ def test_a_bonded_square_is_as_stiff_as_kelly_says(poisson_ratio):
     lock would be several times as stiff.
     """
     side, thickness = 16.0, 2.0
-    pad = Pad(lines((20, 20, 5), (side, side, thickness)), poisson_ratio)
+    pad = BrickPad(lines((20, 20, 5), (side, side, thickness)), poisson_ratio)
     stepper = Stepper(pad, SpringSurface(pad, 1e3, 0.1))
     plate = body_of("box", {"width": 0.04, "breadth": 0.04})
     state, forces, depths = stepper.rest(Pose(plate, np.eye(3), np.array([0.0, 0.0, 0.01]))), [], (4e-4, 4e-3, 2e-2)

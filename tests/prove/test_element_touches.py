@@ -13,7 +13,7 @@ from tactiledata.prove.element_world import bank as element_bank
 from tactiledata.prove.element_world.bank import APART, ElementBank, offset_nodes
 from tactiledata.prove.element_world.bodies import BODIES, body_of
 from tactiledata.prove.element_world.grid import contact_box, grid_lines
-from tactiledata.prove.element_world.pad import Pad
+from tactiledata.prove.element_world.pad import BrickPad
 from tactiledata.prove.element_world.steps import Stepper
 from tactiledata.prove.element_world.surface import Pose, SpringSurface
 from tactiledata.prove.element_world.touch import GelPad, Solved, Travel, solve_touch, solved_moments
@@ -38,7 +38,7 @@ def pressed(shape, sizes, tips, friction, spacing, thickness=4.0, outline=(14.0,
     turned = np.eye(3) if rotation is None else rotation
     body = body_of(shape, sizes)
     box, _ = contact_box(body, turned, np.array(tips))
-    pad = Pad(grid_lines(outline, thickness, box, spacing), nu)
+    pad = BrickPad(grid_lines(outline, thickness, box, spacing), nu)
     stepper = Stepper(pad, SpringSurface(pad, friction, spacing))
     states = [stepper.rest(Pose(body, turned, np.array(tips[0]) * [1.0, 1.0, 0.0]))]
     for tip in tips:
@@ -257,7 +257,7 @@ def test_an_unknown_shape_is_refused():
     [("sphere", {"radius": 3e-3}, 0.6, 0.02), ("cylinder_flat", {"radius": 2e-3}, 0.4, 0.04)],
 )
 def test_forces_are_converged(shape, sizes, depth, bound):
-    """Forces of a ball change by at most 2 %, those of a punch by at most 4 %, on a grid 1.4 times as fine."""
+    """BrickForces of a ball change by at most 2 %, those of a punch by at most 4 %, on a grid 1.4 times as fine."""
     travel = travel_of([(0, 0, -0.2), (0, 0, depth), (0.2, 0, depth)], shape, sizes)
     gel = GelPad((12.0, 12.0), 4.1, 0.476, 0.62)
     usual, fine = (solve_touch(gel, travel, finer).wrench for finer in (1.0, 1.4))

@@ -18,7 +18,7 @@ from tactiledata.diagnose.zeros.causes import zero_causes
 from tactiledata.effects.touch.response import GelVariant
 from tactiledata.prove.worlds.logs import LogReadings
 from tactiledata.prove.worlds.played_plan import START, PlayedPlan
-from tactiledata.prove.worlds.recorder import RecordedTouches
+from tactiledata.prove.worlds.recorder import ReadWorld
 
 KEPT = ("verdict", "names", "probabilities", "objections", "dispersion", "at_large", "undetectable", "not_tried")
 """Fields of the document of a naming that an answer keeps as they are."""
@@ -32,7 +32,7 @@ class NamedWorld:
 
     Parameters
     ----------
-    recorded : RecordedTouches
+    recorded : ReadWorld
         What the diagnosis read.
     touch_set : TouchSet
         The trajectories, with estimated plays.
@@ -42,7 +42,7 @@ class NamedWorld:
         How far estimated plays were off that were then played in full.
     """
 
-    recorded: RecordedTouches
+    recorded: ReadWorld
     touch_set: TouchSet
     naming: NamingResult
     full_plays: tuple[FullPlay, ...]

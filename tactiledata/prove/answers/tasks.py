@@ -74,7 +74,7 @@ def draw(task: DrawTask) -> dict[str, Any]:
     document = {
         "number": number,
         "kind": task.request.kind,
-        "rejected": drawn.rejected,
+        "rejected": dict(drawn.rejected),
         "label": None if drawn.case is None else drawn.case.document,
     }
     # the readings first: a case whose document is there is whole

@@ -5,5 +5,5 @@
 `kinds` lists the kinds of cases, and says from when on an effect can be seen or is concealed.
 `strengths` draws the numbers of an effect; `draw` draws cases until they are of the kind that is asked for.
 `oracle` decides how much of an effect can be seen, and whether a calibration conceals it.
-`truth` has the names of hidden effects in the catalogue; `asked` has the cases that benchmarks ask for.
+`truth` has the names of hidden effects in the catalogue.
 """

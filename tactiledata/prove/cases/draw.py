@@ -6,7 +6,8 @@ were rejected are counted.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -17,6 +18,7 @@ import numpy as np
 from tactiledata.arrays import Array
 from tactiledata.diagnose.naming.joint_fit import JointFit
 from tactiledata.diagnose.touches.touch_case import TouchSet
+from tactiledata.errors import UsageError
 from tactiledata.prove.cases.configuration import Configuration, played_plan
 from tactiledata.prove.cases.kinds import AMBIGUOUS, CONCEALED, DRAWN, LOSS_RATIO, NULLS, OUTSIDE, PAIRS, VISIBLE, Sight
 from tactiledata.prove.cases.oracle import PaperCalibration, alike_effects, plain_whitened, refit
@@ -26,7 +28,7 @@ from tactiledata.prove.cases.truth import TITLES, friction_left, modulus_left
 from tactiledata.prove.cases.world_case import WorldCase
 from tactiledata.prove.worlds.logs import LogReadings
 from tactiledata.prove.worlds.played_plan import PlayedPlan
-from tactiledata.prove.worlds.recorder import RecordedTouches
+from tactiledata.prove.worlds.recorder import ReadWorld
 from tactiledata.rig.scenario.scenario import load_scenario
 
 TRIES = 16
@@ -88,13 +90,13 @@ class DrawnCase:
         ``None`` where no draw gave a case of the kind.
     readings : list of LogReadings
         Readings of each log.
-    rejected : int
-        Number of draws that were rejected.
+    rejected : dict, reason -> int
+        Number of draws that were rejected, by the reason.
     """
 
     case: WorldCase | None
     readings: list[LogReadings]
-    rejected: int
+    rejected: Mapping[str, int]
 
 
 def drawn_case(request: CaseRequest) -> DrawnCase:
@@ -104,25 +106,33 @@ def drawn_case(request: CaseRequest) -> DrawnCase:
     allowed = request.effects(played)
     world = _World(played, request.configuration, int(FIRST_SEED + chance.integers(2**31)))
     if request.kind == NULLS:
-        return DrawnCase(world.case(NULLS, ()), world.readings(()), 0)
+        return DrawnCase(world.case(NULLS, ()), world.readings(()), {})
     if len(allowed) < (2 if request.kind == PAIRS else 1):
-        return DrawnCase(None, [], 0)
-    for tried in range(TRIES):
+        return DrawnCase(None, [], {})
+    rejected: Counter[str] = Counter()
+    for _ in range(TRIES):
         names = chance.choice(allowed, 2 if request.kind == PAIRS else 1, replace=False).tolist()
         drawn = int(chance.integers(2**31))
         hidden = tuple({"effect": name, "parameters": drawn_parameters(name, drawn, BEYOND)} for name in names)
-        readings = world.readings(hidden)
+        try:
+            readings = world.readings(hidden)
+        except UsageError as error:
+            # a strength beyond what the generator can record
+            rejected[f"the generator refuses {names[0]}: {error.expected}"] += 1
+            continue
         loss_ratio = world.loss_ratio(readings)
         if request.kind == VISIBLE and loss_ratio <= LOSS_RATIO:
-            # concealed already: no refit is needed to know it
+            # no refit is needed to know it
+            rejected["concealed by calibration"] += 1
             continue
         sight = world.sight(hidden, loss_ratio, with_alike=request.kind == AMBIGUOUS)
         alone = (
             [world.sight((one,), loss_ratio) for one in hidden] if request.kind == PAIRS and sight.is_visible else []
         )
         if is_of_kind(request.kind, sight, alone, [TITLES.get(name, "") for name in names]):
-            return DrawnCase(world.case(request.kind, hidden, sight), readings, tried)
-    return DrawnCase(None, [], TRIES)
+            return DrawnCase(world.case(request.kind, hidden, sight), readings, rejected)
+        rejected["not of the kind" if sight.is_visible else "too weak to be seen"] += 1
+    return DrawnCase(None, [], rejected)
 
 
 def is_of_kind(kind: str, sight: Sight, alone: Sequence[Sight], names: Sequence[str]) -> bool:
@@ -168,7 +178,7 @@ class _World:
         return maker.readings(self.seed, self.played.gel(self.seed), list(hidden), is_exact=is_exact)
 
     @cached_property
-    def unhidden(self) -> RecordedTouches:
+    def unhidden(self) -> ReadWorld:
         """The world without what it hides, as a diagnosis would read it."""
         return self.played.maker.observed(self.readings(()))
 

@@ -20,13 +20,13 @@ _SECOND = np.einsum("ikm,jln->ijklmn", _SIGNS, _SIGNS).reshape(81, 9)
 
 
 @dataclass(frozen=True)
-class Forces:
+class BrickForces:
     """Internal forces of the bricks, and how they change.
 
     Parameters
     ----------
     force : (e, 8, 3)
-        Forces of each brick on its nodes, mm².
+        BrickForces of each brick on its nodes, mm².
     stiffness : (e, 8, 3, 8, 3)
         Their derivative by displacements, mm.
     """
@@ -35,7 +35,7 @@ class Forces:
     stiffness: Array
 
 
-class Pad:
+class BrickPad:
     """Bricks between grid lines, bonded below, free on all other sides.
 
     Parameters
@@ -85,7 +85,7 @@ class Pad:
         moved = displacements[self.bricks]
         return np.eye(3) + np.matmul(moved.transpose(0, 2, 1)[:, None], self._gradients)
 
-    def respond(self, displacements: Array, with_stiffness: bool = True) -> Forces:
+    def respond(self, displacements: Array, with_stiffness: bool = True) -> BrickForces:
         """Return the bricks' forces under displacements (n, 3), mm.
 
         The energy is ``G/2 (J^(-2/3) I1 - 3)`` at each point and ``K/4 (t² - 1 - 2 ln t)`` of the mean ratio of
@@ -105,7 +105,7 @@ class Pad:
         weighed = gradients * weights[..., None, None]
         force = np.einsum("eqai,eqji->eaj", weighed, stress, optimize=True)
         if not with_stiffness:
-            return Forces(force, np.zeros((0, 8, 3, 8, 3)))
+            return BrickForces(force, np.zeros((0, 8, 3, 8, 3)))
         # a derivative in single precision is enough for corrections
         count, single = len(f), np.float32
         f, h, a, s, first, on_cofactors, gradients, weighed = (
@@ -128,4 +128,4 @@ class Pad:
         rate = 0.5 * self.bulk * (1.0 + 1.0 / mean**2) / self.volumes
         rate = rate.astype(single)
         stiffness += ((rate[:, None] * volume)[:, :, None] * volume[:, None, :]).reshape(stiffness.shape)
-        return Forces(force, stiffness)
+        return BrickForces(force, stiffness)

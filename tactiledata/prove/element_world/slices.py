@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.linalg import lapack
 from scipy.sparse import csr_array
 
-from tactiledata.prove.element_world.pad import Array, Pad
+from tactiledata.prove.element_world.pad import Array, BrickPad
 
 
 class Slices:
@@ -19,11 +19,11 @@ class Slices:
 
     Parameters
     ----------
-    pad : Pad
+    pad : BrickPad
         Its bonded nodes do not move.
     """
 
-    def __init__(self, pad: Pad) -> None:
+    def __init__(self, pad: BrickPad) -> None:
         free = np.flatnonzero(~pad.is_bonded)
         self.count = len(pad.lines[pad.axis])
         self.size = 3 * len(free) // self.count
@@ -71,7 +71,7 @@ class Slices:
         rows = slice(self._edges[block], self._edges[block + 1])
         return self._keys[rows] - block * self.size**2, values[rows]
 
-    def gathered(self, forces: Array, pad: Pad) -> Array:
+    def gathered(self, forces: Array, pad: BrickPad) -> Array:
         """Return the sums (unknowns,) of the bricks' forces (e, 8, 3) at the nodes that can move."""
         index = self.unknown[pad.bricks].ravel()
         kept = index >= 0

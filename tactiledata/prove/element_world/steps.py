@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactiledata.prove.element_world.pad import Array, Pad
+from tactiledata.prove.element_world.pad import Array, BrickPad
 from tactiledata.prove.element_world.slices import Factor, Slices
 from tactiledata.prove.element_world.surface import Held, Pose, Pressed, SpringSurface
 
@@ -32,7 +32,7 @@ FAST = 0.25
 
 @dataclass(frozen=True)
 class State:
-    """An equilibrium.
+    """An equilibrium of pad and body.
 
     Parameters
     ----------
@@ -60,13 +60,13 @@ class Stepper:
 
     Parameters
     ----------
-    pad : Pad
+    pad : BrickPad
         The bricks.
     surface : SpringSurface
         Contact and friction.
     """
 
-    def __init__(self, pad: Pad, surface: SpringSurface) -> None:
+    def __init__(self, pad: BrickPad, surface: SpringSurface) -> None:
         self._pad, self._surface, self._slices = pad, surface, Slices(pad)
         self._free = ~pad.is_bonded
         self._last: tuple[Factor, Pressed] | None = None

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.prove.element_world.bodies import RigidBody
-from tactiledata.prove.element_world.pad import Array, Pad
+from tactiledata.prove.element_world.pad import Array, BrickPad
 
 SPRING = 60.0
 """Pressure over Young's modulus that an overlap of one spacing of the grid would cause."""
@@ -106,7 +106,7 @@ class SpringSurface:
 
     Parameters
     ----------
-    pad : Pad
+    pad : BrickPad
         The bricks.
     friction : float
         Coulomb's coefficient.
@@ -114,7 +114,7 @@ class SpringSurface:
         Spacing of the grid under the contact, which sets how stiff the springs are.
     """
 
-    def __init__(self, pad: Pad, friction: float, spacing: float) -> None:
+    def __init__(self, pad: BrickPad, friction: float, spacing: float) -> None:
         self._pad, self._friction, self._spring = pad, friction, SPRING / spacing
 
     def points(self, displacements: Array) -> Array:

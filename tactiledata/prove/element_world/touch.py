@@ -11,7 +11,7 @@ from scipy.interpolate import PchipInterpolator
 
 from tactiledata.prove.element_world.bodies import RigidBody
 from tactiledata.prove.element_world.grid import contact_box, grid_lines, spacing_for
-from tactiledata.prove.element_world.pad import Array, Pad, Rows
+from tactiledata.prove.element_world.pad import Array, BrickPad, Rows
 from tactiledata.prove.element_world.steps import State, Stepper
 from tactiledata.prove.element_world.surface import Pose, SpringSurface
 
@@ -121,7 +121,7 @@ def solve_touch(gel: GelPad, travel: Travel, finer: float = 1.0) -> Solved:
     moments = solved_moments(travel, finer)
     box, narrow = contact_box(travel.body, travel.rotation, np.array([travel.tip(row) for row in moments]))
     spacing = spacing_for(narrow, finer)
-    pad = Pad(grid_lines(gel.outline, gel.thickness, box, spacing), gel.poisson_ratio)
+    pad = BrickPad(grid_lines(gel.outline, gel.thickness, box, spacing), gel.poisson_ratio)
     stepper = Stepper(pad, SpringSurface(pad, gel.friction, spacing))
     state: State | None = None
     unsettled, steps, found = 0, 0, np.zeros((len(moments), 6))

@@ -23,7 +23,7 @@ SINGLES = (VISIBLE, CONCEALED, AMBIGUOUS, DRAWN)
 
 
 @dataclass(frozen=True)
-class Target:
+class ProofTarget:
     """A target that was set before the proof was run.
 
     Parameters
@@ -60,15 +60,19 @@ class Target:
 
 
 TARGETS = (
-    Target("false alarms on nulls", (NULLS,), lambda case: case.outcome == FALSE_ALARM, 0.05, True),
-    Target("wrong names", tuple(kind for kind in KINDS if kind != NULLS), lambda case: case.is_wrong_name, 0.05, True),
-    Target("visible effects named", (VISIBLE,), lambda case: case.outcome == NAMED, 0.80),
-    Target("effects concealed by calibration named", (CONCEALED,), lambda case: case.outcome == NAMED, 0.70),
-    Target("truth in the set of named single effects", SINGLES, lambda case: case.outcome in (NAMED, IN_SET), 0.95),
-    Target("no name outside the catalogue", (OUTSIDE,), lambda case: case.is_right, 0.80),
-    Target("both of a pair named", (PAIRS,), lambda case: case.outcome in (NAMED, IN_SET), 0.60),
-    Target("at least one of a pair named", (PAIRS,), partly_right, 0.90),
-    Target("ambiguous effects answered by a set", (AMBIGUOUS,), lambda case: case.outcome == IN_SET, 0.85),
+    ProofTarget("false alarms on nulls", (NULLS,), lambda case: case.outcome == FALSE_ALARM, 0.05, True),
+    ProofTarget(
+        "wrong names", tuple(kind for kind in KINDS if kind != NULLS), lambda case: case.is_wrong_name, 0.05, True
+    ),
+    ProofTarget("visible effects named", (VISIBLE,), lambda case: case.outcome == NAMED, 0.80),
+    ProofTarget("effects concealed by calibration named", (CONCEALED,), lambda case: case.outcome == NAMED, 0.70),
+    ProofTarget(
+        "truth in the set of named single effects", SINGLES, lambda case: case.outcome in (NAMED, IN_SET), 0.95
+    ),
+    ProofTarget("no name outside the catalogue", (OUTSIDE,), lambda case: case.is_right, 0.80),
+    ProofTarget("both of a pair named", (PAIRS,), lambda case: case.outcome in (NAMED, IN_SET), 0.60),
+    ProofTarget("at least one of a pair named", (PAIRS,), partly_right, 0.90),
+    ProofTarget("ambiguous effects answered by a set", (AMBIGUOUS,), lambda case: case.outcome == IN_SET, 0.85),
 )
 """Targets, as the issue of the proof set them."""
 

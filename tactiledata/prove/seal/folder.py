@@ -70,7 +70,7 @@ class ProofFolder:
 
     @property
     def score(self) -> Path:
-        """The score."""
+        """The file of the score."""
         return self.path / "score.json"
 
     @property

@@ -35,7 +35,7 @@ from tactiledata.rig.scenario.scenario import load_scenario
 
 
 @dataclass(frozen=True)
-class RecordedTouches:
+class ReadWorld:
     """What a diagnosis reads of a world, for each of its touches.
 
     Parameters
@@ -153,7 +153,7 @@ class WorldMaker:
         hidden: list[dict[str, Any]],
         more: tuple[HiddenEffect, ...] = (),
         is_exact: bool = False,
-    ) -> RecordedTouches:
+    ) -> ReadWorld:
         """Return what a diagnosis reads of a world; the parameters are those of `readings`.
 
         Parameters
@@ -163,7 +163,7 @@ class WorldMaker:
         """
         return self.observed(self.readings(seed, material, hidden, more, is_exact))
 
-    def observed(self, readings: Sequence[LogReadings]) -> RecordedTouches:
+    def observed(self, readings: Sequence[LogReadings]) -> ReadWorld:
         """Return what a diagnosis reads of the readings of all logs; the plan is all that it knows beside them."""
         logs = [
             (log, stored_signal("wrench", one.t_ns, one.values, "ft"), log.poses)
@@ -184,9 +184,9 @@ class WorldMaker:
         found = find_dead_band([wrench.values for _, wrench, _ in logs]), find_inertia(moves)
         shown = tuple(str(one.document["effect"]) for one in found if one is not None)
         free = [touch.free for touch in stored]
-        return RecordedTouches(at_frames, interpolated, free, fractions, zeros_of(logs), shown)
+        return ReadWorld(at_frames, interpolated, free, fractions, zeros_of(logs), shown)
 
-    def cases(self, recorded: RecordedTouches, base: BaseFamily) -> TouchSet:
+    def cases(self, recorded: ReadWorld, base: BaseFamily) -> TouchSet:
         """Return the trajectories of a world, with their noise as a calibration estimates it."""
         stretches = recorded.free
         steps = np.concatenate([np.diff(touch.seconds) for touch in self.touches])

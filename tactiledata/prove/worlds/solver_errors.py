@@ -53,7 +53,17 @@ class SolverError:
         )
 
     def applied(self, contact: BankedContact, setup: TouchSetup, size: float) -> BankedContact:
-        """A contact with this error, ``size`` times."""
+        """Return a contact with this error.
+
+        Parameters
+        ----------
+        contact : BankedContact
+            The contact without it.
+        setup : TouchSetup
+            The touch.
+        size : float
+            Factor on the error.
+        """
         wrench = contact.wrench.copy()
         load, shear = wrench[:, 2].copy(), wrench[:, :2].copy()
         touches, divisor = load > 0, np.maximum(load, 1e-3)
