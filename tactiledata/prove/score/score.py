@@ -59,6 +59,7 @@ class ProofTarget:
         return {"what": self.what, "target": f"{bound} {100 * self.limit:.0f} %", "is_met": met, **share.document}
 
 
+_IN_SET = "truth in the set of named single effects"
 TARGETS = (
     ProofTarget("false alarms on nulls", (NULLS,), lambda case: case.outcome == FALSE_ALARM, 0.05, True),
     ProofTarget(
@@ -66,9 +67,7 @@ TARGETS = (
     ),
     ProofTarget("visible effects named", (VISIBLE,), lambda case: case.outcome == NAMED, 0.80),
     ProofTarget("effects concealed by calibration named", (CONCEALED,), lambda case: case.outcome == NAMED, 0.70),
-    ProofTarget(
-        "truth in the set of named single effects", SINGLES, lambda case: case.outcome in (NAMED, IN_SET), 0.95
-    ),
+    ProofTarget(_IN_SET, SINGLES, lambda case: case.outcome in (NAMED, IN_SET), 0.95),
     ProofTarget("no name outside the catalogue", (OUTSIDE,), lambda case: case.is_right, 0.80),
     ProofTarget("both of a pair named", (PAIRS,), lambda case: case.outcome in (NAMED, IN_SET), 0.60),
     ProofTarget("at least one of a pair named", (PAIRS,), partly_right, 0.90),
@@ -88,7 +87,7 @@ def score_of(cases: Sequence[ScoredCase]) -> dict[str, Any]:
     claimed = [case for case in cases if case.kind in SINGLES and case.answer["verdict"] in CLAIMS]
     sizes = [len(case.said) for case in claimed]
     # among claims: of effects that nobody named, no set can hold the truth
-    targets = [target.document(claimed if target.what.startswith("truth in the set") else cases) for target in TARGETS]
+    targets = [target.document(claimed if target.what == _IN_SET else cases) for target in TARGETS]
     return {
         "cases": len(cases),
         "targets": targets,
