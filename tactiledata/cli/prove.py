@@ -83,7 +83,7 @@ def prove(
         "nulls": nulls, "visible": visible, "concealed": concealed, "pairs": pairs, "outside": outside,
         "ambiguous": ambiguous, "drawn": drawn,
     }  # fmt: skip
-    folder = ProofFolder(out)
+    folder = ProofFolder(out.absolute())
     request = _request(
         context,
         folder,

@@ -102,7 +102,7 @@ class ProofRequest:
                 key: tuple(value) if isinstance(value, list) else value for key, value in document.items()
             }
             return ProofRequest(**values).checked()
-        except TypeError as error:
+        except (TypeError, AttributeError) as error:
             raise UsageError(f"a request with other fields ({error})", "the request of a proof") from error
 
     def checked(self) -> ProofRequest:

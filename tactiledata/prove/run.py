@@ -12,7 +12,7 @@ from tactiledata.compute.local import LocalScheduler
 from tactiledata.contract.atomic import write_json_atomic
 from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.errors import TactileDataError, UsageError
-from tactiledata.prove.answers.tasks import AnswerTask, DrawTask, answer, draw
+from tactiledata.prove.answers.tasks import AnswerTask, DrawTask, SolveTask, answer, draw, solve
 from tactiledata.prove.request import ProofRequest
 from tactiledata.prove.score.score import score_of
 from tactiledata.prove.seal.folder import FORMAT, ProofFolder, read_json, write_sealed
@@ -20,6 +20,7 @@ from tactiledata.prove.seal.sealing import need_frozen_tool, read_seal, seal_cas
 from tactiledata.prove.seal.verify import answers_root, scored_cases
 from tactiledata.prove.worlds.plan_names import named_plan
 from tactiledata.prove.worlds.played_plan import PlayedPlan
+from tactiledata.store.layout.lock import writing_lock
 
 
 @dataclass(frozen=True)
@@ -58,11 +59,12 @@ class ProofRun:
             Names of cases that are diagnosed once more; the earlier answers stay, and are listed.
         """
         self.ask()
-        self.play()
-        seal = self.seal()
-        need_frozen_tool(seal)
-        self.answer(seal, again)
-        return self.score()
+        with writing_lock(self.folder.path):
+            self.play()
+            seal = self.seal()
+            need_frozen_tool(seal)
+            self.answer(seal, again)
+            return self.score()
 
     def ask(self) -> None:
         """Write what is asked; refuse a folder in which something else was asked."""
@@ -90,10 +92,25 @@ class ProofRun:
                 progress=lambda done, total, what="", plan=name: self.report_progress(done, total, f"{plan}: {what}"),
             )  # fmt: skip
 
+    def solve(self) -> None:
+        """Solve the touches of all plans by the generators that keep solutions; worlds of a plan share them."""
+        tasks = [
+            SolveTask(generator, plan, str(touch["name"]), self.bank)
+            for plan in self.request.plans
+            for generator in self.request.generators
+            if generator != "analytic"
+            for touch in named_plan(plan).touches
+        ]
+        for number, outcome in enumerate(self.runner.outcomes(solve, tasks), start=1):
+            if outcome.error is not None:
+                raise outcome.error
+            self.report_progress(number, len(tasks), "solving touches by the generators")
+
     def seal(self) -> dict[str, Any]:
         """Draw all cases and seal them; return the seal."""
         if self.folder.seal.exists():
             return read_seal(self.folder)
+        self.solve()
         requests = self.request.requests(self.bank)
         tasks = [DrawTask(self.folder, request) for request in requests]
         drawn = []

@@ -11,7 +11,7 @@ from sealed_proofs import REQUEST, answer_case, answered_proof, said, sealed_pro
 from tactiledata.cli.main import app
 from tactiledata.contract.sealed import sealed_json
 from tactiledata.diagnose.naming import options as naming_options
-from tactiledata.errors import UsageError
+from tactiledata.errors import StoreError, TactileDataError, UnsafeContent, UsageError
 from tactiledata.prove.run import ProofRun
 from tactiledata.prove.seal import sealing
 from tactiledata.prove.seal.folder import ProofFolder
@@ -150,6 +150,34 @@ def test_a_published_root_finds_a_proof_that_was_sealed_anew(proof):
     changed(proof.seal, seal_anew, seal=True)
     assert not any("root" in fault.lower() for fault in verify(proof).faults)
     assert any("published" in fault for fault in verify(proof, root).faults)
+
+
+@pytest.mark.parametrize(
+    ("change", "error"),
+    [
+        (lambda seal: seal.update(format="other"), StoreError),
+        (lambda seal: seal.pop("cases"), StoreError),
+        (lambda seal: seal["cases"].update({"0" * 16: 5}), StoreError),
+        (lambda seal: seal["cases"].update({"../../x": dict(next(iter(seal["cases"].values())))}), UnsafeContent),
+        (lambda seal: seal.update(tool=[]), StoreError),
+    ],
+)
+def test_a_seal_that_is_none_is_refused(proof, change, error):
+    """Fields that are missing, of another type, or lead out of the folder are refused with a sentence."""
+    changed(proof.seal, change, seal=True)
+    with pytest.raises(error):
+        verify(proof)
+
+
+@pytest.mark.parametrize("content", [b"", b"{", b"[]", b'"text"', b"null", b"\xff\xfe", b"[" * 100_000])
+def test_files_that_are_no_documents_are_refused(proof, content):
+    """Labels, seals and answers that hold anything else end in an error of ours, or are named as faults."""
+    for path in (proof.answer(a_name(proof), 1), proof.score, proof.labels, proof.seal):
+        path.write_bytes(content)
+        try:
+            assert verify(proof).faults
+        except TactileDataError:
+            continue
 
 
 def test_the_command_exits_with_1_where_something_does_not_fit(proof):

@@ -68,7 +68,11 @@ class NamedWorld:
             "after": [one["value"] for one in document["after"][:3]],
             "values": {one["name"]: one["value"] for one in document["after"][3:]},
             "zeros": [*(cause.effect for cause in zero_causes(self.recorded.zeros)), *self.recorded.shown],
-            "full_plays": [asdict(one) for one in self.full_plays],
+            "full_plays": [
+                # a number that is none was not refitted
+                {key: None if value != value else value for key, value in asdict(one).items()}
+                for one in self.full_plays
+            ],
         }
 
 

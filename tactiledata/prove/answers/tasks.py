@@ -1,4 +1,4 @@
-"""The two tasks of a proof that workers run: draw a case, and diagnose a case. Each leaves whole files behind."""
+"""The tasks of a proof that workers run: solve a touch, draw a case, diagnose a case. Each leaves whole files."""
 
 from __future__ import annotations
 
@@ -12,7 +12,34 @@ from tactiledata.prove.answers.named import named_world
 from tactiledata.prove.cases.configuration import played_plan
 from tactiledata.prove.cases.draw import CaseRequest, drawn_case
 from tactiledata.prove.seal.folder import ProofFolder, read_json, read_readings, readings_bytes, write_sealed
-from tactiledata.prove.worlds.logs import LogReadings
+from tactiledata.prove.worlds.generators import make_generator
+from tactiledata.prove.worlds.logs import LogReadings, play_logs, unfelt
+from tactiledata.prove.worlds.plan_names import named_plan
+from tactiledata.prove.worlds.recorder import WorldMaker
+from tactiledata.rig.contact.contact import RigContact, TouchSetup
+from tactiledata.rig.scenario.scenario import load_scenario
+
+
+@dataclass(frozen=True)
+class SolveTask:
+    """A touch whose contact a generator solves and keeps, so that worlds of its plan are recorded in seconds.
+
+    Parameters
+    ----------
+    generator : str
+        Name of the generator.
+    plan : str
+        Name of the plan of touches.
+    touch : str
+        Name of the touch.
+    bank : Path
+        Folder of kept solutions.
+    """
+
+    generator: str
+    plan: str
+    touch: str
+    bank: Path
 
 
 @dataclass(frozen=True)
@@ -62,6 +89,18 @@ class AnswerTask:
     with_variants: bool
     pairs: bool
     in_full: bool
+
+
+def solve(task: SolveTask) -> None:
+    """Solve one touch of a plan, as a world without hidden effects needs it."""
+    maker = WorldMaker.of(named_plan(task.plan), task.bank)
+    generator = make_generator(task.generator, maker.bank)
+
+    def contact(gel: Any, setup: TouchSetup, path: Any = None, deviation: Any = None) -> RigContact:
+        chosen = generator if setup.touch.name == task.touch else unfelt
+        return chosen(gel, setup, path, deviation)
+
+    play_logs(load_scenario(maker.plan.scenario(0, maker.plan.truth, [])), contact)
 
 
 def draw(task: DrawTask) -> dict[str, Any]:

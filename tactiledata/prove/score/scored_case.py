@@ -108,7 +108,8 @@ class ScoredCase:
             return self.outcome != FALSE_ALARM
         if self.kind == OUTSIDE:
             return self.outcome != WRONG
-        return self.outcome in (NAMED, IN_SET)
+        # of what cannot be seen nothing should be said
+        return self.outcome in (NAMED, IN_SET, "too weak", "undetectable")
 
     @property
     def is_wrong_name(self) -> bool:

@@ -17,6 +17,7 @@ from __future__ import annotations
 import io
 import json
 import os
+import re
 import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -28,13 +29,14 @@ import numpy as np
 from tactiledata.contract.atomic import write_atomic, write_json_atomic
 from tactiledata.contract.provenance import bytes_digest
 from tactiledata.contract.sealed import fits_seal, sealed_json
-from tactiledata.errors import MissingFile, StoreError
+from tactiledata.errors import MissingFile, StoreError, UnsafeContent
 
 FORMAT = "tactiledata-proof/1"
 SAME_TIME = 1_000_000_000
 """Time, s since the epoch, that all case files are given: when a file was written must not tell what is in it."""
 LARGEST = 64 * 1024 * 1024
 """Largest size, bytes, of a file that is read."""
+_NAME = re.compile(r"[0-9a-f]{16}")
 MOST_LOGS = 64
 """Largest number of logs of a case."""
 MOST_ROWS = 10_000_000
@@ -88,23 +90,36 @@ class ProofFolder:
 
     def case(self, name: str) -> Path:
         """Return the file of a case under its random name."""
-        return self.path / "cases" / f"{name}.npz"
+        return self.path / "cases" / f"{checked_name(name)}.npz"
 
     def attempt(self, name: str, number: int) -> Path:
         """Return the file that says when a diagnosis was begun."""
-        return self.path / "attempts" / f"{name}-{number}.json"
+        return self.path / "attempts" / f"{checked_name(name)}-{number}.json"
 
     def answer(self, name: str, number: int) -> Path:
         """Return the file of an answer."""
-        return self.path / "answers" / f"{name}-{number}.json"
+        return self.path / "answers" / f"{checked_name(name)}-{number}.json"
 
     def attempts_of(self, name: str) -> list[int]:
         """Return the numbers of the attempts at a case, in order."""
-        return _numbers_of(self.path / "attempts", name)
+        return _numbers_of(self.path / "attempts", checked_name(name))
 
     def answers_of(self, name: str) -> list[int]:
         """Return the numbers of the answers to a case, in order; the last one counts."""
-        return _numbers_of(self.path / "answers", name)
+        return _numbers_of(self.path / "answers", checked_name(name))
+
+
+def checked_name(name: str) -> str:
+    """Return the name of a case; refuse one that could lead out of the folder.
+
+    Raises
+    ------
+    UnsafeContent
+        It is no name that a seal gives.
+    """
+    if not _NAME.fullmatch(name):
+        raise UnsafeContent(f"a case called {name!r}", "16 hexadecimal digits", "This folder is none of ours.")
+    return name
 
 
 def _numbers_of(folder: Path, name: str) -> list[int]:

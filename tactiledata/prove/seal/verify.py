@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from tactiledata.contract.provenance import digest_of, file_digest
-from tactiledata.errors import TactileDataError, UsageError
+from tactiledata.errors import StoreError, TactileDataError, UsageError
 from tactiledata.prove.score.score import score_of
 from tactiledata.prove.score.scored_case import ScoredCase
-from tactiledata.prove.seal.folder import ProofFolder, read_json, read_sealed
+from tactiledata.prove.seal.folder import FORMAT, ProofFolder, read_json, read_sealed
 from tactiledata.prove.seal.frozen import changed_numbers, frozen_tool, tool_digest
 from tactiledata.prove.seal.leak import leak_of
 from tactiledata.prove.seal.merkle import commitment, root_of
@@ -96,11 +96,14 @@ def verify(folder: ProofFolder, published: str | None = None, look_for_leaks: bo
     faults: list[str] = []
     notes: list[str] = []
     seal, is_whole = read_sealed(folder.seal)
+    need_seal(folder, seal)
     if not is_whole:
         faults.append("seal.json is not as it was written: its digest does not fit its bytes.")
     if published is not None and published != seal["root"]:
         faults.append(f"The root is {seal['root']}; published was {published}: the cases were sealed anew.")
     labels: dict[str, Any] = read_json(folder.labels)
+    if not isinstance(labels, dict):
+        raise StoreError(f"{folder.labels} holds no labels by name", "labels and salts", "Restore it from a copy.")
     cases: dict[str, Any] = seal["cases"]
     faults += _label_faults(labels, cases) + _case_faults(folder, seal)
     if digest_of(read_json(folder.proof)) != seal["request_sha256"]:
@@ -123,6 +126,26 @@ def verify(folder: ProofFolder, published: str | None = None, look_for_leaks: bo
     faults += _score_faults(folder, score, sorted(cases))
     notes += _leak_notes(folder) if look_for_leaks and not faults else []
     return Verification(tuple(faults), tuple(notes), len(cases), len(answered), str(seal["root"]), score)
+
+
+def need_seal(folder: ProofFolder, seal: Mapping[str, Any]) -> None:
+    """Refuse a document that is no seal of a proof.
+
+    Raises
+    ------
+    StoreError
+        Fields are missing, or have other types than a seal's.
+    """
+    cases, tool = seal.get("cases"), seal.get("tool")
+    fields = ("commitment", "readings_sha256", "plan")
+    whole = isinstance(cases, dict) and all(
+        isinstance(one, dict) and all(isinstance(one.get(field), str) for field in fields) for one in cases.values()
+    )
+    if seal.get("format") != FORMAT or not whole or not isinstance(tool, dict) or "digest" not in tool:
+        raise StoreError(f"{folder.seal} is no seal", f"a seal of format {FORMAT}", "Restore it from a copy.")
+    for field in ("root", "request_sha256"):
+        if field not in seal:
+            raise StoreError(f"{folder.seal} has no field {field!r}", "a seal", "Restore it from a copy.")
 
 
 def _leak_notes(folder: ProofFolder) -> list[str]:

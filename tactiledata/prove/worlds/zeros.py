@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tactiledata.arrays import Array
+from tactiledata.arrays import Array, RealArray
 from tactiledata.contract.take import StoredSignal
 from tactiledata.diagnose.zeros.readings import ForceZeros, free_air_readings, pieces_of
 from tactiledata.prove.worlds.logs import WorldLog
@@ -22,7 +22,7 @@ def zeros_of(logs: Sequence[tuple[WorldLog, StoredSignal, StoredSignal]]) -> For
         Logs, each with its readings and its stream of poses.
     """
     pieces: list[tuple[Array, int, int, float]] = []
-    poses: list[Array] = []
+    poses: list[RealArray] = []
     trajectory = 0
     for log, wrench, tcp in logs:
         played = log.played
@@ -35,7 +35,7 @@ def zeros_of(logs: Sequence[tuple[WorldLog, StoredSignal, StoredSignal]]) -> For
                 moments.append(times[part[len(part) // 2]])
                 seconds = (moments[-1] - played.start_ns) * 1e-9 + log.rig_setup.scenario.recordings.powered
                 zeroed = 1000 * log.index + sum(tare <= moments[-1] for tare in log.tares)
-                pieces.append((np.asarray(readings[part].mean(axis=0), dtype=float), trajectory, zeroed, seconds))
+                pieces.append((np.asarray(readings[part].mean(axis=0), dtype=np.float64), trajectory, zeroed, seconds))
             trajectory += 1
         poses.append(played.tcp(np.array(moments)))
     if not pieces:
