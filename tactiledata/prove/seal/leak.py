@@ -78,7 +78,7 @@ def case_facts(folder: ProofFolder, names: list[str], plans: Mapping[str, str]) 
     return np.array(rows, dtype=float)
 
 
-def find_leak(facts: Array, kinds: list[str], draws: int = 200, seed: int = 0) -> Leak:
+def find_leak(facts: Array, kinds: list[str], draws: int = 99, seed: int = 0) -> Leak:
     """Return how well kinds of cases are told from facts.
 
     Parameters
@@ -123,7 +123,7 @@ def find_leak(facts: Array, kinds: list[str], draws: int = 200, seed: int = 0) -
     return Leak(found, float(np.median(permuted)), p, len(kinds))
 
 
-def leak_of(folder: ProofFolder, draws: int = 200) -> Leak:
+def leak_of(folder: ProofFolder, draws: int = 99) -> Leak:
     """Return how well the kinds of a proof's cases are told from names, sizes, stamps and order.
 
     Parameters
