@@ -41,7 +41,7 @@ def prove(
     nulls: int = typer.Option(0, "--nulls", min=0, help="Worlds without hidden effects, in each configuration."),
     visible: int = typer.Option(0, "--visible", min=0, help="Worlds with one effect that can be seen."),
     concealed: int = typer.Option(
-        0, "--concealed", min=0, help="Worlds with one visible effect that a calibration conceals."
+        0, "--concealed", min=0, help="Worlds with a visible effect that a calibration conceals."
     ),
     pairs: int = typer.Option(0, "--pairs", min=0, help="Worlds with two visible effects."),
     outside: int = typer.Option(0, "--outside", min=0, help="Worlds with an effect outside the catalogue."),
