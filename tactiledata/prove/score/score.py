@@ -85,7 +85,7 @@ TARGETS = (
     ProofTarget("at least one of a pair named", (PAIRS,), partly_right, 0.90),
     ProofTarget("ambiguous effects answered by a set", (AMBIGUOUS,), lambda case: case.outcome == IN_SET, 0.85),
 )
-"""Targets, as the issue of the proof set them."""
+"""Targets that were set before any proof was run."""
 
 
 def score_of(cases: Sequence[ScoredCase]) -> dict[str, Any]:
