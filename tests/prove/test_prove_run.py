@@ -2,16 +2,20 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
 import time
+from types import SimpleNamespace
 
 import pytest
+from sealed_proofs import said, sealed_proof
 from typer.testing import CliRunner
 
 from tactiledata.cli.main import app
 from tactiledata.errors import UsageError
+from tactiledata.prove.answers import tasks
 from tactiledata.prove.cases.configuration import Configuration
 from tactiledata.prove.cases.draw import is_of_kind
 from tactiledata.prove.cases.kinds import Sight
@@ -67,6 +71,26 @@ def test_a_killed_proof_goes_on_and_fits(tmp_path):
         assert done.returncode == 0, done.stderr
         assert len(list((folder.path / "attempts").glob("*.json"))) == before + count
     assert any(case in note and "answered 2 times" in note for note in verify(folder).notes)
+
+
+def test_a_diagnosis_sees_readings_and_plan_alone(tmp_path, monkeypatch):
+    """The task of a diagnosis works in a folder without labels, draws and seal: it reads the case, and no more."""
+    folder = sealed_proof(tmp_path / "proof")
+    name = sorted(json.loads(folder.labels.read_text()))[0]
+    shutil.rmtree(folder.path / "sealed")
+    folder.seal.unlink()
+    seen = []
+
+    def named(played, readings, pairs, in_full):
+        seen.append((played, [one.values.shape for one in readings]))
+        return SimpleNamespace(document=said([]))
+
+    monkeypatch.setattr(tasks, "played_plan", lambda plan, bank, with_variants: plan)
+    monkeypatch.setattr(tasks, "named_world", named)
+    task = tasks.AnswerTask(folder, name, 1, "coarse-0", tmp_path, "0" * 64, True, True, False)
+    assert tasks.answer(task)["verdict"] == "nothing found"
+    assert seen == [("coarse-0", [(50, 6)])]
+    assert {path.name for path in folder.path.iterdir()} == {"proof.json", "cases", "attempts", "answers"}
 
 
 def test_wrong_usage_is_refused(tmp_path):
