@@ -206,14 +206,16 @@ def _verify(folder: ProofFolder, root: str | None, as_json: bool) -> None:
 
 def print_score(score: Any) -> None:
     """Print the score of a proof as tables."""
+    from tactiledata.prove.score.score import met_words
+
     kinds = sorted({name for row in score["by_configuration"].values() for name in row})
     rows = [[where, *(row.get(name, 0) for name in kinds)] for where, row in score["by_configuration"].items()]
     table("Outcomes (simulated recordings)", ["configuration: kind", *kinds], rows)
     rows = [
         [
             one["what"], one["target"], f"{one['right']} of {one['count']}",
-            f"{100 * one['interval'][0]:.0f} to {100 * one['interval'][1]:.0f} %",
-            {None: "no case", True: "met", False: "missed"}[one["is_met"]],
+            f"{100 * max(0.0, one['interval'][0]):.0f} to {100 * one['interval'][1]:.0f} %",
+            met_words(one),
         ]
         for one in score["targets"]
         if one["count"]

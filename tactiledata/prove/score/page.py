@@ -9,6 +9,7 @@ from typing import Any
 from tactiledata.contract.atomic import write_atomic
 from tactiledata.contract.simulated import SimulatedCount
 from tactiledata.contract.wording import counted
+from tactiledata.prove.score.score import met_words
 from tactiledata.prove.seal.folder import ProofFolder, read_json
 from tactiledata.report.page import Section, render_page
 
@@ -71,16 +72,15 @@ def _target_row(one: Mapping[str, Any]) -> list[object]:
     """Return the row of a target."""
     if not one["count"]:
         return [one["what"], one["target"], "", "", "", "no case"]
-    met = "met" if one["is_met"] else "missed"
     return [
         one["what"], one["target"], f"{one['right']} of {one['count']}", _per_cent(one["interval"]),
-        _per_cent(one["over_configurations"]), met,
+        _per_cent(one["over_configurations"]), met_words(one),
     ]  # fmt: skip
 
 
 def _per_cent(ends: Sequence[float] | None) -> str:
     """Return an interval of shares in words."""
-    return "" if ends is None else f"{100 * ends[0]:.0f} to {100 * ends[1]:.0f} %"
+    return "" if ends is None else f"{100 * max(0.0, ends[0]):.0f} to {100 * ends[1]:.0f} %"
 
 
 def _columns(first: str, table: Mapping[str, Mapping[str, int]]) -> list[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -68,7 +68,15 @@ class ProofTarget:
         value = share.value
         met = None if value is None else (value <= self.limit if self.is_most else value >= self.limit)
         bound = "at most" if self.is_most else "at least"
-        return {"what": self.what, "target": f"{bound} {100 * self.limit:.0f} %", "is_met": met, **share.document}
+        # certain where the whole interval lies on one side of the limit
+        certain = share.high <= self.limit or share.low >= self.limit
+        return {
+            "what": self.what,
+            "target": f"{bound} {100 * self.limit:.0f} %",
+            "is_met": met,
+            "is_certain": certain,
+            **share.document,
+        }
 
 
 _IN_SET = "truth in the set of named single effects"
@@ -86,6 +94,13 @@ TARGETS = (
     ProofTarget("ambiguous effects answered by a set", (AMBIGUOUS,), lambda case: case.outcome == IN_SET, 0.85),
 )
 """Targets that were set before any proof was run."""
+
+
+def met_words(target: Mapping[str, Any]) -> str:
+    """Return in words whether a target of a score is met; "so far" where its interval holds the limit as well."""
+    if target["is_met"] is None:
+        return "no case"
+    return ("met" if target["is_met"] else "missed") + ("" if target["is_certain"] else " so far")
 
 
 def score_of(cases: Sequence[ScoredCase]) -> dict[str, Any]:

@@ -61,7 +61,7 @@ class Share:
         """The share in words."""
         if not self.count:
             return "no case"
-        ends = f"{100 * self.low:.0f} to {100 * self.high:.0f} %"
+        ends = f"{100 * max(0.0, self.low):.0f} to {100 * self.high:.0f} %"
         return f"{self.right} of {self.count} ({100 * self.right / self.count:.0f} %, {ends})"
 
 

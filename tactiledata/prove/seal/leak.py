@@ -18,6 +18,8 @@ from tactiledata.prove.seal.folder import ProofFolder, read_json, read_readings
 
 FOLDS = 5
 """Number of folds; the tree is tried on each after it learned from the others."""
+REPEATS = 3
+"""Number of ways in which cases are dealt to folds."""
 DEPTH = 3
 """Depth of the tree: a plain leak needs one question."""
 FEWEST = 10
@@ -106,15 +108,17 @@ def find_leak(facts: Array, kinds: list[str], draws: int = 99, seed: int = 0) ->
     if len(kinds) < FEWEST:
         raise UsageError(f"{len(kinds)} cases", f"at least {FEWEST}, to look for leaks", "Draw more cases.")
     chance = np.random.default_rng(seed)
-    folds = chance.permutation(len(kinds)) % FOLDS
+    # several ways to deal cases to folds: with few cases a single one is luck
+    dealt = [chance.permutation(len(kinds)) % FOLDS for _ in range(REPEATS)]
     classes, target = np.unique(kinds, return_inverse=True)
 
     def accuracy(labels: Any) -> float:
-        right = np.zeros(len(labels), dtype=bool)
-        for fold in range(FOLDS):
-            tree = DecisionTreeClassifier(max_depth=DEPTH, class_weight="balanced", random_state=seed)
-            tree.fit(facts[folds != fold], labels[folds != fold])
-            right[folds == fold] = tree.predict(facts[folds == fold]) == labels[folds == fold]
+        right = np.zeros(len(labels))
+        for folds in dealt:
+            for fold in range(FOLDS):
+                tree = DecisionTreeClassifier(max_depth=DEPTH, class_weight="balanced", random_state=seed)
+                tree.fit(facts[folds != fold], labels[folds != fold])
+                right[folds == fold] += (tree.predict(facts[folds == fold]) == labels[folds == fold]) / REPEATS
         return float(np.mean([right[labels == each].mean() for each in range(len(classes))]))
 
     found = accuracy(target)
