@@ -169,8 +169,8 @@ def _run(
 ) -> None:
     """Run a proof, or the rest of it, and print its score."""
     from tactiledata.compute import make_scheduler
+    from tactiledata.prove.page import write_page
     from tactiledata.prove.run import ProofRun
-    from tactiledata.prove.score.page import write_page
 
     with progress("proving", quiet=as_json) as report_progress:
         tell = (lambda sentence: None) if as_json else say

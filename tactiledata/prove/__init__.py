@@ -9,5 +9,5 @@ A proof draws cases, seals their labels, lets the diagnosis answer, and scores t
 `seal` names and commits cases before any diagnosis, freezes the tool, and checks a proof afterwards.
 `answers` is the diagnosis of a case, and the tasks that workers run.
 `plant` puts known effects into a copy of a user's own store.
-`score` has shares with intervals, tables, and the page.
+`score` has shares with intervals, and tables; `page` writes them for people.
 """
