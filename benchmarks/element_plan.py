@@ -16,11 +16,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from element_world.bank import ElementBank, ElementContact
 from naming_asked import asked_cases
-from naming_case import play_logs, unfelt
-from wedge_plan import WedgePlan
 
+from tactiledata.prove.element_world.bank import ElementBank, ElementContact
+from tactiledata.prove.worlds.logs import play_logs, unfelt
+from tactiledata.prove.worlds.wedges import WedgePlan
 from tactiledata.rig.contact.contact import TouchSetup
 from tactiledata.rig.scenario.scenario import load_scenario
 
@@ -71,7 +71,7 @@ def main() -> None:
     solve = Timed(ElementBank(options.bank), frozenset(options.only), names)
     for case in asked_cases(["nulls"], options.count, "medium"):
         scenario = load_scenario(plan.scenario(case.seed + options.seed, plan.truth, []))
-        plays = [play for log in play_logs(scenario, solve) for play in log.performance.plays]
+        plays = [play for log in play_logs(scenario, solve) for play in log.played.plays]
         peaks = np.array([play.contact.wrench[:, 2].max() for play in plays])
         print(f"seed {case.seed + options.seed}: {len(plays)} touches, up to {peaks.max():.1f} N", flush=True)
 

@@ -19,10 +19,8 @@ from pathlib import Path
 
 import numpy as np
 from gel_failures import COARSE
-from naming_case import Maker, to_play
 from numpy.typing import NDArray
 from timing import header
-from wedge_plan import WedgePlan
 
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.diagnose.touches.grid_answer import TouchPlays
@@ -32,6 +30,9 @@ from tactiledata.effects import EFFECTS
 from tactiledata.gel.engines.fem import Fidelity
 from tactiledata.gel.mesh.pad import PadMesh
 from tactiledata.gel.mesh.structured_pad import structured_pad
+from tactiledata.prove.worlds.recorder import WorldMaker
+from tactiledata.prove.worlds.touches import to_play
+from tactiledata.prove.worlds.wedges import WedgePlan
 from tactiledata.sensors.digit import DIGIT
 
 Array = NDArray[np.float64]
@@ -89,7 +90,7 @@ def main() -> None:
     plan = WedgePlan(options.plan)
     mesh = structured_pad("coarse", DIGIT.gel, COARSE) if options.quick else plan.mesh
     with tempfile.TemporaryDirectory() as bank:
-        touches = to_play(Maker.of(plan, Path(bank)).touches)[: QUICK if options.quick else options.touches]
+        touches = to_play(WorldMaker.of(plan, Path(bank)).touches)[: QUICK if options.quick else options.touches]
     frames = sum(len(touch.seconds) for touch in touches)
     header(f"plays of {len(touches)} touches, {frames} frames, plan {options.plan}", ("numpy", "scipy", "numba"))
     half = len(touches) // 2

@@ -26,9 +26,7 @@ from typing import Any
 
 import numpy as np
 from naming_asked import Asked, asked_cases
-from naming_plan import Plan
-from naming_summary import VISIBLE
-from naming_worlds import START, Bench
+from naming_worlds import Bench
 from numpy.typing import NDArray
 
 from tactiledata.diagnose.locate.contrasts import Sizes, instruments_of, sizes_of
@@ -46,6 +44,9 @@ from tactiledata.diagnose.unseen.touch_residuals import (
     scatter_beyond_noise,
 )
 from tactiledata.diagnose.zeros.causes import zero_causes
+from tactiledata.prove.cases.kinds import LEAST_SIGNAL
+from tactiledata.prove.worlds.plan import WorldPlan
+from tactiledata.prove.worlds.played_plan import START
 
 Array = NDArray[np.float64]
 
@@ -223,10 +224,10 @@ def summary(found: Sequence[Mapping[str, Any]]) -> str:
     lines = [line(one) for one in sorted(hidden, key=lambda each: -each["signal"])]
     for what, part in (
         (
-            f"whose signal is {VISIBLE:.1f} and more",
-            [o for o in hidden if o["signal"] >= VISIBLE],
+            f"whose signal is {LEAST_SIGNAL:.1f} and more",
+            [o for o in hidden if o["signal"] >= LEAST_SIGNAL],
         ),
-        ("whose signal is less", [o for o in hidden if o["signal"] < VISIBLE]),
+        ("whose signal is less", [o for o in hidden if o["signal"] < LEAST_SIGNAL]),
     ):
         counts = [sum(one[key] for one in part) for key in ("is_structured", "is_axis", "is_where")]
         both = sum(one["is_axis"] and one["is_where"] for one in part)
@@ -236,7 +237,7 @@ def summary(found: Sequence[Mapping[str, Any]]) -> str:
         )
     by_world: dict[str, list[bool]] = {}
     for one in hidden:
-        if one["signal"] >= VISIBLE:
+        if one["signal"] >= LEAST_SIGNAL:
             by_world.setdefault(one["case"].split()[-1], []).append(one["is_axis"] and one["is_where"])
     lines += [f"both in {sum(right)} of {len(right)} of them in worlds {seed}" for seed, right in by_world.items()]
     told_names = [len([name for name in one["found"] if not name.startswith("zeros: ")]) for one in hidden]
@@ -260,7 +261,7 @@ def main() -> None:
     parser.add_argument("--bank", type=Path, default=Path(tempfile.gettempdir()) / "tactiledata-rig-bank")
     options = parser.parse_args()
     if options.errors:
-        bench = Bench.of(Plan(0, options.quick, options.mounts), options.bank, with_variants=False)
+        bench = Bench.of(WorldPlan(0, options.quick, options.mounts), options.bank, with_variants=False)
         print(errors_of(bench, options.errors))
         return
     only = ["frame_rotation"] if options.quick else options.only
@@ -270,7 +271,7 @@ def main() -> None:
     found = [json.loads(line) for line in lines]
     todo = [one for one in cases if one.label not in {each["case"] for each in found}]
     if todo:
-        bench = Bench.of(Plan(0, options.quick, options.mounts), options.bank, with_variants=False)
+        bench = Bench.of(WorldPlan(0, options.quick, options.mounts), options.bank, with_variants=False)
         for asked in todo:
             found.append(run(bench, asked))
             print(f"{asked.label}: {' '.join(found[-1]['sentences'])}", flush=True)

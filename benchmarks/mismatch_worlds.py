@@ -18,39 +18,28 @@ import tempfile
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
-from element_world.bank import ElementBank
 from naming_asked import DRAWN, KINDS, Asked, asked_cases
 from naming_summary import summary
 from naming_worlds import Bench, keep_and_tell
-from other_solvers import OtherSolver
-from wedge_plan import WedgePlan
 
 from tactiledata.effects import EFFECTS
-from tactiledata.rig.contact.analytic import touch_analytic
-from tactiledata.rig.contact.contact import TouchSetup
-
-SLOW = ("thickness", "dome", "indenter_mount")
-"""Effects for which a solver must solve every touch anew."""
-
-
-def closed_form(_: Any, setup: TouchSetup, path: Any = None, deviation: Any = None) -> Any:
-    """The rig's closed forms, as a `SolveContact`."""
-    return touch_analytic(setup, path, deviation)
+from tactiledata.prove.worlds.generators import GENERATORS, SOLVED_ANEW, make_generator
+from tactiledata.prove.worlds.solver_errors import OtherSolver
+from tactiledata.prove.worlds.wedges import WedgePlan
 
 
 def chosen(kinds: Sequence[str], count: int, strength: str, seed: int, only: Sequence[str]) -> list[Asked]:
     """Cases with other seeds than those of `naming_worlds`, without what takes hours."""
     cases = [replace(case, seed=case.seed + seed) for case in asked_cases(kinds, count, strength)]
-    cases = [case for case in cases if not set(case.effects) & set(SLOW)]
+    cases = [case for case in cases if not set(case.effects) & set(SOLVED_ANEW)]
     return [case for case in cases if not only or set(case.effects) & set(only)]
 
 
 def main() -> None:
     """Run what is not in the file yet; print a line a case, then the summary."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--generator", choices=("layer", "analytic", "element"), default="layer")
+    parser.add_argument("--generator", choices=tuple(GENERATORS), default="layer")
     parser.add_argument("--mismatch", type=float, default=0.0)
     parser.add_argument("--solver", type=int, default=0, help="seed of the solver's errors")
     parser.add_argument("--noise", type=float, default=1.0)
@@ -68,8 +57,7 @@ def main() -> None:
     options = parser.parse_args()
     varied = () if options.without_variants else tuple(EFFECTS)
     bench = Bench.of(WedgePlan(options.plan), options.bank, not options.without_variants, varied)
-    solves = {"layer": bench.maker.bank.contact, "analytic": closed_form, "element": ElementBank(options.bank).contact}
-    solve = solves[options.generator]
+    solve = make_generator(options.generator, bench.maker.bank)
     maker = replace(bench.maker, solve=OtherSolver(solve, options.mismatch, options.solver), noise=options.noise)
     bench = replace(bench, maker=maker, pairs=not options.no_pairs, in_full=not options.estimated)
     found = []

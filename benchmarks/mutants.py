@@ -20,7 +20,8 @@ import yaml
 from mutant_runs import Copy, fork_tests, load_libraries
 from mutant_sites import Mutant, changed_lines, sample
 from mutant_tests import TestMap
-from wilson import interval
+
+from tactiledata.prove.score.wilson import interval
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = {

@@ -1,4 +1,4 @@
-"""Which cases of missing physics are asked."""
+"""Cases of missing physics that a benchmark asks for: kinds, hidden effects, strengths and seeds."""
 
 from __future__ import annotations
 
@@ -6,10 +6,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from drawn_strengths import drawn_parameters
-from naming_plan import INDENTERS
-from naming_truth import OUTSIDE, PAIRS, TITLES, WrongRadius
-
+from tactiledata.prove.cases.strengths import drawn_parameters
+from tactiledata.prove.cases.truth import OUTSIDE, PAIRS, TITLES, WrongRadius
+from tactiledata.prove.worlds.plan import INDENTERS
 from tactiledata.rig.hidden.base import HiddenEffect
 
 DRAWN = "drawn"

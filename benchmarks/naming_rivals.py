@@ -21,10 +21,12 @@ from typing import Any
 
 import numpy as np
 from naming_asked import Asked, asked_cases
-from naming_plan import Plan
-from naming_worlds import START, Bench
+from naming_worlds import Bench
 from rival_methods import Case, bic_ladder, gaussian_process, ours, sparse_regression
 from timing import header, table
+
+from tactiledata.prove.worlds.plan import WorldPlan
+from tactiledata.prove.worlds.played_plan import START
 
 METHODS: dict[str, Callable[[Case], tuple[str, ...]]] = {
     "ours": ours,
@@ -90,7 +92,7 @@ def main() -> None:
 
     header("naming missing physics", ("numpy", "scipy", "scikit-learn", "pysindy"))
     if todo:
-        bench = Bench.of(Plan(0, options.quick, options.mounts), options.bank, options.with_variants)
+        bench = Bench.of(WorldPlan(0, options.quick, options.mounts), options.bank, options.with_variants)
         for asked in todo:
             said = run(bench, asked)
             found += said

@@ -20,13 +20,14 @@ from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
-from naming_summary import VISIBLE, of_nulls
+from naming_summary import of_nulls
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from tactiledata.diagnose.naming.decide import needed_of
 from tactiledata.diagnose.naming.evidence import ScoredCandidate
 from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS, DecisionThresholds
+from tactiledata.prove.cases.kinds import LEAST_SIGNAL
 
 Array = NDArray[np.float64]
 Case = dict[str, Any]
@@ -83,7 +84,7 @@ def _right(case: Case, names: Sequence[frozenset[str]]) -> tuple[int, ...]:
     """Places of what should be said."""
     hidden = frozenset(case["truth"]) - (frozenset(case["zeros"]) if len(case["truth"]) > 1 else frozenset())
     nothing, other = len(names), len(names) + 1
-    is_shown = case["signal"] >= VISIBLE and bool(case["truth"])
+    is_shown = case["signal"] >= LEAST_SIGNAL and bool(case["truth"])
     if not is_shown or hidden <= frozenset(case["zeros"]):
         return (nothing,)
     found = tuple(place for place, one in enumerate(names) if hidden <= one and one - hidden <= EVERYWHERE)

@@ -7,39 +7,12 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from wilson import interval
+
+from tactiledata.prove.score.outcome import CLAIMS, DRIFT, outcome
+from tactiledata.prove.score.wilson import interval
 
 Array = NDArray[np.float64]
 Case = dict[str, Any]
-CLAIMS = ("explained", "partly explained")
-QUIET = ("nothing found", "below detection")
-VISIBLE = 8.0
-"""Signal from which a hidden effect is called visible."""
-DRIFT = "sensor_drift"
-"""A cause of zeros that every world has: 0.02 N a minute."""
-
-
-def outcome(case: Case) -> str:
-    """``named``, ``in the set``, ``one of two``, ``undetectable`` (in all its range, said so and true), ``too weak``
-    (weaker than what the answer says it needs), ``missed``, ``unnamed`` or ``wrong``. What readings alone show
-    is named, too.
-    """
-    truth = set(case["truth"])
-    claimed = case["verdict"] in CLAIMS
-    of_zeros = set(case["zeros"])
-    if truth and truth <= set(case["names"]) | of_zeros:
-        return "named"
-    if truth and truth <= set(case["set"]) | of_zeros:
-        return "in the set"
-    if truth & (set(case["set"]) | of_zeros):
-        return "one of two"
-    if claimed or of_zeros - {DRIFT}:
-        return "wrong"
-    if case["verdict"] not in QUIET:
-        return "unnamed"
-    if case["signal"] >= VISIBLE:
-        return "missed"
-    return "undetectable" if truth <= set(case["undetectable"]) else "too weak"
 
 
 def of_nulls(nulls: Sequence[Case]) -> list[tuple[str, float, float, float]]:

@@ -16,16 +16,17 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from mismatch_worlds import closed_form
-from naming_worlds import START, Bench
-from other_solvers import OtherSolver
-from wedge_plan import WedgePlan
+from naming_worlds import Bench
 
 from tactiledata.diagnose.naming.error_sizes import with_estimated_errors, with_simulated_by
 from tactiledata.diagnose.naming.joint_fit import JointFit, plain_fit
 from tactiledata.diagnose.touches.touch_case import TouchSet
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.gel.elasticity.material import GelMaterial
+from tactiledata.prove.worlds.generators import make_generator
+from tactiledata.prove.worlds.played_plan import START
+from tactiledata.prove.worlds.solver_errors import OtherSolver
+from tactiledata.prove.worlds.wedges import WedgePlan
 
 LEAST = 0.5
 """N: smaller loads say nothing of a ratio."""
@@ -73,7 +74,7 @@ def main() -> None:
     parser.add_argument("--bank", type=Path, default=Path(tempfile.gettempdir()) / "tactiledata-rig-bank")
     options = parser.parse_args()
     bench = Bench.of(WedgePlan(options.plan), options.bank, False, ())
-    solve = bench.maker.bank.contact if options.generator == "layer" else closed_form
+    solve = make_generator(options.generator, bench.maker.bank)
     for mismatch in options.mismatch:
         world = replace(bench, maker=replace(bench.maker, solve=OtherSolver(solve, mismatch, options.solver)))
         for seed in options.seeds:

@@ -33,7 +33,7 @@ from tactiledata.gel.elasticity.material import GelMaterial
 
 Array = NDArray[np.float64]
 
-NO_ERRORS = NumericalErrors(shape=0.0, law=0.0, shear=0.0, scatter=0.0, centre=0.0, locked=0.0)
+NO_ERRORS = NumericalErrors(shape=0.0, law=0.0, shear=0.0, scatter=0.0, centre=0.0)
 DECISIVE = 10.0
 """Fall of BIC that is usually called very strong."""
 MOST_REFITS, MOST_STEPS = 4, 2

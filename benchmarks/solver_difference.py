@@ -20,7 +20,6 @@ from typing import Any
 
 import numpy as np
 from linear_error import DEPTHS, MATERIAL, MOST, SHEAR, STEP, touch
-from naming_plan import Plan
 from naming_worlds import Bench
 from numpy.typing import NDArray
 
@@ -33,6 +32,7 @@ from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.gel.engines.fem import FemEngine
 from tactiledata.indenters import INDENTERS
+from tactiledata.prove.worlds.plan import WorldPlan
 from tactiledata.rig.layer.grid import LayerGrid
 from tactiledata.rig.layer.press import solve_press
 from tactiledata.rig.scenario.scenario import Gel, Imperfections, Material
@@ -70,7 +70,7 @@ def about_tips(wrench: Array, poses: Array) -> Array:
     return np.column_stack([wrench[:, :3], wrench[:, 3:] - np.cross(poses[:, :3, 3], wrench[:, :3])])
 
 
-def pressed(plan: Plan, names: Sequence[str], depths: Sequence[int], pitch: float) -> dict[tuple[str, int], Pair]:
+def pressed(plan: WorldPlan, names: Sequence[str], depths: Sequence[int], pitch: float) -> dict[tuple[str, int], Pair]:
     """Both solvers on equal parameters; depths at which the force would surely pass the limit are left out."""
     engine, grid = FemEngine(plan.mesh, MATERIAL.poisson_ratio), LayerGrid.of(Gel().outline, pitch)
     material = Material(MATERIAL.youngs_modulus, MATERIAL.poisson_ratio, MATERIAL.friction)
@@ -102,7 +102,7 @@ def cell(pair: Pair | None, depth: int) -> str:
     return f"{force:.2f} N {pair.off(depth - 1, 2):+.1%}, " + ("-" if np.isnan(after) else f"{after:+.1%}")
 
 
-def print_equal(plan: Plan, names: Sequence[str], depths: Sequence[int], pitch: float) -> None:
+def print_equal(plan: WorldPlan, names: Sequence[str], depths: Sequence[int], pitch: float) -> None:
     """The table by indenter and depth."""
     found = pressed(plan, names, depths, pitch)
     gel = f"E {MATERIAL.youngs_modulus / 1e6:g} MPa, nu {MATERIAL.poisson_ratio}, mu {MATERIAL.friction}"
@@ -133,7 +133,7 @@ def _milli(torque: tuple[float, float]) -> tuple[float, float]:
 
 
 @dataclass(frozen=True)
-class Still(Plan):
+class Still(WorldPlan):
     """The plan on a rig that is exact: no jitter, no drift, no remounting."""
 
     def scenario(self, seed: int, material: GelMaterial, hidden: list[dict[str, Any]]) -> dict[str, Any]:
@@ -161,7 +161,7 @@ def fitted(cases: TouchSet, start: GelMaterial, errors: NumericalErrors) -> Join
     return fit
 
 
-def print_fitted(plan: Plan, bank: Path) -> None:
+def print_fitted(plan: WorldPlan, bank: Path) -> None:
     """What is left between the two once the engine is fitted."""
     bench = Bench.of(plan, bank, with_variants=False)
     cases, truth = exact_cases(bench), plan.truth
@@ -223,7 +223,7 @@ def main() -> None:
     parser.add_argument("--pitch", type=float, default=PITCH, help="of the rig's layer on equal parameters, mm")
     parser.add_argument("--bank", type=Path, default=Path(tempfile.gettempdir()) / "tactiledata-rig-bank")
     asked = parser.parse_args()
-    plan = Plan(0, asked.quick)
+    plan = WorldPlan(0, asked.quick)
     names, depths = (list(INDENTERS)[:2], DEPTHS[:2]) if asked.quick else (list(INDENTERS), DEPTHS)
     print("## two contact solvers: the gel engine against the rig's")
     if asked.only != "fitted":

@@ -19,10 +19,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from naming_case import Maker, to_play
-from naming_plan import Plan
-from naming_truth import RELAXED_AFTER, modulus_left
-from naming_worlds import START, Bench
+from naming_worlds import Bench
 from story_pictures import Numbers, draw_story
 
 from tactiledata.calibrate.experiment import Experiment, assemble
@@ -40,6 +37,11 @@ from tactiledata.diagnose.unseen.compare import show
 from tactiledata.effects.simulate.setting import write_settings
 from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.nuisance.noise import WrenchNoise
+from tactiledata.prove.cases.truth import RELAXED_AFTER, modulus_left
+from tactiledata.prove.worlds.plan import WorldPlan
+from tactiledata.prove.worlds.played_plan import START
+from tactiledata.prove.worlds.recorder import WorldMaker
+from tactiledata.prove.worlds.touches import to_play
 from tactiledata.report.plots import png_bytes
 from tactiledata.rig.scenario.scenario import load_scenario
 
@@ -54,7 +56,7 @@ TRUTH = 0.9e6
 SEED = 7000
 
 
-def tell(story: str, bench: Bench, maker: Maker, out: Path, pictures: Path | None) -> None:
+def tell(story: str, bench: Bench, maker: WorldMaker, out: Path, pictures: Path | None) -> None:
     """Record, calibrate, diagnose; page, effects and picture go to folders."""
     plan = bench.plan
     truth = GelMaterial(TRUTH, plan.truth.poisson_ratio, plan.truth.friction)
@@ -91,7 +93,7 @@ def _fitted(title: str, found: Sequence[ProfiledInterval]) -> Numbers:
     return Numbers(title, tuple(one.value for one in found[:3]), tuple((one.low, one.high) for one in found[:3]))
 
 
-def _experiment(plan: Plan, maker: Maker, truth: GelMaterial, story: str) -> Experiment:
+def _experiment(plan: WorldPlan, maker: WorldMaker, truth: GelMaterial, story: str) -> Experiment:
     """The same recording as a calibration takes it."""
     recorded = maker.recorded(SEED, truth, STORIES[story])
     touches = [
@@ -105,11 +107,11 @@ def _experiment(plan: Plan, maker: Maker, truth: GelMaterial, story: str) -> Exp
     return found
 
 
-def _options(plan: Plan) -> CalibrationOptions:
+def _options(plan: WorldPlan) -> CalibrationOptions:
     return CalibrationOptions(loss="norm", fidelity="linear" if plan.is_quick else "finite-strain", hold_out=0.0)
 
 
-def _calibrated(experiment: Experiment, noise: WrenchNoise, plan: Plan) -> Numbers:
+def _calibrated(experiment: Experiment, noise: WrenchNoise, plan: WorldPlan) -> Numbers:
     """What a calibration by the paper's loss says, printed."""
     options = _options(plan)
     found = fit(experiment, noise, plan.bounds, options)
@@ -138,9 +140,9 @@ def main() -> None:
     for story in asked.stories:
         if story not in STORIES:
             parser.error(f"no story is called {story!r}; there are: {', '.join(STORIES)}")
-    plan = Plan(0, asked.quick, asked.mounts)
+    plan = WorldPlan(0, asked.quick, asked.mounts)
     bench = Bench.of(plan, asked.bank, not (asked.quick or asked.without_variants))
-    maker = Maker.of(plan, asked.bank)
+    maker = WorldMaker.of(plan, asked.bank)
     for story in asked.stories or STORIES:
         tell(story, bench, maker, asked.out, asked.pictures)
 

@@ -28,8 +28,8 @@ MOST_POSITIONAL = 8
 MOST_ROOMS = 14
 """Folders and modules directly in ``diagnose``."""
 ONE_WAY = (
-    "tactiledata.diagnose", "tactiledata.effects", "tactiledata.gel", "tactiledata.ingest", "tactiledata.store",
-    "split_models",
+    "tactiledata.diagnose", "tactiledata.effects", "tactiledata.gel", "tactiledata.ingest", "tactiledata.prove",
+    "tactiledata.store", "split_models",
 )  # fmt: skip
 """Packages in which no room imports, even through others, a room that imports it."""
 FRAGMENT = re.compile(

@@ -19,6 +19,7 @@ LAYERS = [  # bottom first; packages of one row never import one another
     ["tactiledata.calibrate", "tactiledata.scoring", "tactiledata.view", "tactiledata.export"],
     ["tactiledata.diagnose"],
     ["tactiledata.rig"],
+    ["tactiledata.prove"],
     ["tactiledata.cli"],
     ["split_models"],
 ]

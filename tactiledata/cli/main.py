@@ -18,6 +18,8 @@ from tactiledata.cli import (
     families,
     flag,
     ingest,
+    plant,
+    prove,
     record,
     replay,
     scene,
@@ -45,6 +47,7 @@ GROUP = "tactiledata.commands"
 
 for module in (
     demo, record, families, ingest, store, sensors, flag, split, export_data, calibrate, diagnose, replay, scene, view,
+    prove, plant,
 ):  # fmt: skip
     module.register(app)
 for point in entry_points(group=GROUP):

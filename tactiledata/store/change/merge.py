@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +12,7 @@ import pyarrow as pa
 
 from tactiledata.contract.progress import Progress
 from tactiledata.contract.records import Encoding, Finding, Image
-from tactiledata.contract.take import FRAME_SCHEMA, FrameFlag
+from tactiledata.contract.take import FRAME_SCHEMA, FrameFlag, Take
 from tactiledata.contract.wording import agreeing, counted, listed
 from tactiledata.errors import StoreError, UsageError
 from tactiledata.store.change.flag import carry_flags
@@ -30,7 +30,12 @@ BLOCK = 64
 """Images in memory at once."""
 
 
-def merge(sources: Sequence[Store | Path | str], into: Path | str, progress: Progress | None = None) -> list[Finding]:
+def merge(
+    sources: Sequence[Store | Path | str],
+    into: Path | str,
+    progress: Progress | None = None,
+    change: Callable[[Take], Take] | None = None,
+) -> list[Finding]:
     """What is worth saying after stores were merged into a new or existing one, as if all had been ingested there.
 
     Sources go in the order of the call; one that several stores hold goes in once. Flags of trajectories go along.
@@ -44,6 +49,8 @@ def merge(sources: Sequence[Store | Path | str], into: Path | str, progress: Pro
         A local store, made where there is none (with the first store's sizes of chunks).
     progress : callable, optional
         Called with how many recordings are done, how many there are, and the name of the last one.
+    change : callable, optional
+        Changes each recording before it is written; its frames stay as many as they are.
 
     Raises
     ------
@@ -62,10 +69,12 @@ def merge(sources: Sequence[Store | Path | str], into: Path | str, progress: Pro
         create(target, settings_of(stores[0].manifest))
     with writing_lock(target, INTAKE_LOCK):
         recover(target)
-        return _merge(origins, target, progress)
+        return _merge(origins, target, progress, change)
 
 
-def _merge(origins: Sequence[Origin], target: Path, progress: Progress | None) -> list[Finding]:
+def _merge(
+    origins: Sequence[Origin], target: Path, progress: Progress | None, change: Callable[[Take], Take] | None
+) -> list[Finding]:
     n_before = len(Store.open(target).findings())
     findings: list[Finding] = []
     pieces = _plan(origins, Store.open(target), findings)
@@ -73,7 +82,7 @@ def _merge(origins: Sequence[Origin], target: Path, progress: Progress | None) -
 
     def takes() -> Iterator[StagedTake]:
         for done, piece in enumerate(pieces, start=1):
-            yield _staged(target, piece, starts)
+            yield _staged(target, piece, starts, change)
             if progress is not None:
                 progress(done, len(pieces), piece.facts["key"])
 
@@ -156,13 +165,15 @@ def _new_conflicts(target: Store, n_before: int) -> list[Finding]:
     ]
 
 
-def _staged(target: Path, piece: Piece, starts: Mapping[str, int]) -> StagedTake:
+def _staged(target: Path, piece: Piece, starts: Mapping[str, int], change: Callable[[Take], Take] | None) -> StagedTake:
     sha256 = piece.facts["sha256"]
     largest = settings_of(piece.store.manifest).heap_chunk_bytes
     with Spool(staging_folder(target, sha256), largest) as spool:
         frames, lost = _frames(piece, spool, starts)
         sensors = {name: facts for name, facts in piece.origin.sensors.items() if name in piece.contents["sensors"]}
         take = take_of(piece, frames, rows_of(piece.origin.findings, piece.row), sensors)
+        if change is not None:
+            return stage(target, spool, change(take))
         return stage(target, spool, take, None if lost else piece.contents["content"])
 
 
