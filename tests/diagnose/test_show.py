@@ -82,7 +82,7 @@ def test_what_was_sloped_is_flat(relaxed):
 
 @pytest.mark.parametrize("which", ["nothing", "relaxed"])
 def test_document_and_page_say_it(which, request):
-    """The document fits its schema; the page begins with the sentences and is the same each time."""
+    """A document fits its schema; a page begins with picture, three sentences and the next trial; the rest folds."""
     naming, shown = request.getfixturevalue(which)
     document = json.loads(json.dumps(naming_document(naming, shown.located, shown), allow_nan=False))
     schema = load_schema("diagnosis")
@@ -93,12 +93,30 @@ def test_document_and_page_say_it(which, request):
     assert all(share is None for share in closed) if which == "nothing" else min(closed) > 0.5
     trials = [("Dwell for 60 s", "trials/dwell.yaml")]
     html = naming_page("Diagnosis", naming, shown.located, shown, trials, ["2 frames without a pose"], "seed 0")
-    titles = ("Where they differ", "What is missing", "How the simulation behaves", "How much better",
-              "What could be seen at all", "What to record next", "What was left out")  # fmt: skip
+    titles = ("All in words", "Where they differ", "What is missing", "How the simulation behaves", "How much better",
+              "What could be seen at all", "What was left out")  # fmt: skip
+    claim = document["naming"]["sentences"][0]
+    opened, _, folded = html.partition("<details>")
+    begin = [
+        "</h1>",
+        "<figure>",
+        f"<p>{claim[:40]}",
+        "<p>On held-out ",
+        "<h2>What to record next</h2>",
+        "trials/dwell.yaml",
+    ]
+    for text, places in (
+        (opened, [opened.index(mark) for mark in begin]),
+        (folded, [folded.index(f"<summary>{title}</summary>") for title in titles]),
+    ):
+        assert places == sorted(places), text[:200]
+    assert opened.count("<p>") == 3
+    assert html.count("<details>") == html.count("</details>") == html.count("<summary>")
     parts = ("Where", "How", "How much better") if which == "relaxed" else ("Where", "How much better")
-    begin = [document["naming"]["sentences"][0][:40], *(f"<p>{part}: " for part in parts)]
-    places = [html.index(text) for text in (*begin, *(f"<h2>{title}</h2>" for title in titles))]
+    words = folded.split("</details>")[0]
+    places = [words.index(text) for text in (claim[:40], *(f"<p>{part}: " for part in parts))]
     assert places == sorted(places)
+    assert ("(solid)" in opened) == (which == "relaxed")
     assert "nan" not in html.split("base64")[0]
     assert "simulated recordings" not in html.lower()
 

@@ -1,15 +1,22 @@
-"""The page of a store's diagnosis: sentences first, then where, what, how, and how much better."""
+"""The page of a store's diagnosis: a picture, three sentences, what to record next; all else folds away below."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 from tactiledata.contract.simulated import NOTHING_STATED, SimulatedCount
 from tactiledata.diagnose.answer.glossary import STORE_TERMS, with_explanations
 from tactiledata.diagnose.answer.locator_rows import locators_section, shares_section
 from tactiledata.diagnose.answer.sentences import Answer
-from tactiledata.diagnose.answer.unseen_page import better_section, comparison_sections, doubts, shown_sentences
+from tactiledata.diagnose.answer.unseen_page import (
+    better_section,
+    comparison_sections,
+    doubts,
+    shown_sentences,
+    worst_picture,
+)
 from tactiledata.diagnose.locate.locate import LocatorResults
 from tactiledata.diagnose.naming.evidence import ScoredCandidate
 from tactiledata.diagnose.naming.intervals import ProfiledInterval
@@ -47,6 +54,9 @@ def naming_page(
 ) -> str:
     """Return the page of a diagnosis as HTML.
 
+    It begins with a picture of the mismatch and its cure, with the answer in three sentences, and with what to record
+    next. All sentences and the sections are folded below.
+
     Parameters
     ----------
     title : str
@@ -68,7 +78,8 @@ def naming_page(
     answer = Answer(naming)
     sentences = [*first, *naming_sentences(naming, located, shown), *further]
     shares = shares_section(located) if located.is_structured else None
-    sections = [
+    details = [
+        Section("All in words", [("", sentence) for sentence in with_explanations(sentences, STORE_TERMS)]),
         locators_section(located, MOST_FIRST),
         *([shares] if shares is not None else []),
         _what(naming),
@@ -77,11 +88,22 @@ def naming_page(
         *comparison_sections(naming, located, shown, simulated.heading),
         *_seen_at_all(naming),
     ]
-    if trials:
-        sections.append(Section("What to record next", columns=("trial", "file"), rows=list(trials)))
     if notes:
-        sections.append(Section("What was left out", [("warning", note) for note in notes]))
-    return render_page(title, with_explanations(sentences, STORE_TERMS), sections, footer, simulated)
+        details.append(Section("What was left out", [("warning", note) for note in notes]))
+    sections = [replace(section, is_folded=True) for section in details]
+    if trials:
+        sections.insert(0, Section("What to record next", columns=("trial", "file"), rows=list(trials)))
+    return render_page(
+        title, [*first, *_in_short(answer, shown)], sections, footer, simulated,
+        worst_picture(naming, shown, simulated.heading),
+    )  # fmt: skip
+
+
+def _in_short(answer: Answer, shown: HeldOutComparison) -> list[str]:
+    """Return three sentences: the answer, what should be known with it, and how much better the simulation is."""
+    claim, *more = answer.what
+    beside = [*doubts(shown), *more]
+    return [claim, *beside[:1], shown_sentences(shown)[0]]
 
 
 def naming_sentences(naming: NamingResult, located: LocatorResults, shown: HeldOutComparison) -> list[str]:

@@ -281,19 +281,43 @@ def _map(located: LocatorResults, shown: HeldOutComparison) -> Section | None:
     return Section("Over the gel", [("", first.words)], pictures=[Picture(png_bytes(draw_map_pair(pictures)), caption)])
 
 
+def worst_picture(naming: NamingResult, shown: HeldOutComparison, heading: str) -> Picture:
+    """Return the picture of the trajectory with the largest error: measured, and simulated without and with effects.
+
+    Parameters
+    ----------
+    naming : NamingResult
+    shown : HeldOutComparison
+    heading : str
+        Stands above the picture: what kind of recordings they are.
+    """
+    with_it = (
+        f", and with {joined_names([EFFECTS[name]().title for name in shown.names])} (solid)" if shown.names else ""
+    )
+    caption = (
+        "The trajectory with the largest error of the plain simulation. Dots are measured, lines are simulated: plain "
+        f"(dashed){with_it}. It is predicted by numbers that were fitted to other trajectories."
+    )
+    drawn = draw_overlays([_overlay(naming, shown, shown.worst(1)[0])])
+    return Picture(png_bytes(drawn, heading=heading), caption)
+
+
 def _overlays(naming: NamingResult, shown: HeldOutComparison, heading: str) -> Section:
     """Return the section with the measured and simulated forces of the worst trajectories."""
-    white, errors = naming.whitened, shown.of_trajectories
-    pictures = []
-    for number in shown.worst():
-        rows, case = white.trajectory == number, white.touch_set.touches[number]
-        simulated = {PLAIN: errors.before[rows][:, FORCE]}
-        if shown.names:
-            simulated[_after(shown)] = errors.after[rows][:, FORCE]
-        name = case.name or str(number)
-        title = f"{name}, {white.touch_set.indenters[number]}: {errors.by_trajectory[number]:.2f} N"
-        seconds = case.touch.seconds - case.touch.seconds[0]
-        pictures.append(OverlayPicture(title, seconds, case.measured[:, FORCE], simulated))
+    pictures = [_overlay(naming, shown, number) for number in shown.worst()]
     caption = "Gel frame; each trajectory is predicted by numbers that were fitted to others."
     picture = Picture(png_bytes(draw_overlays(pictures), heading=heading), caption)
     return Section("Trajectories with the largest errors of the plain simulation", pictures=[picture])
+
+
+def _overlay(naming: NamingResult, shown: HeldOutComparison, number: int) -> OverlayPicture:
+    """Return the measured and simulated forces of a trajectory, predicted by numbers that were fitted to others."""
+    white, errors = naming.whitened, shown.of_trajectories
+    rows, case = white.trajectory == number, white.touch_set.touches[number]
+    simulated = {PLAIN: errors.before[rows][:, FORCE]}
+    if shown.names:
+        simulated[_after(shown)] = errors.after[rows][:, FORCE]
+    name = case.name or str(number)
+    title = f"{name}, {white.touch_set.indenters[number]}: {errors.by_trajectory[number]:.2f} N"
+    seconds = case.touch.seconds - case.touch.seconds[0]
+    return OverlayPicture(title, seconds, case.measured[:, FORCE], simulated)
