@@ -15,7 +15,7 @@ help:            ## this list
 $(INSTALLED): pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "tactiledata needs Python 3.11 or later; found " + sys.version.split()[0] + ". Name another: make PYTHON=python3.11 ...")'
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/pip install --quiet -c constraints.txt -e '.[sim,models,report,dask,site,view,dev]'
+	$(BIN)/pip install --quiet -c constraints.txt -e '.[sim,models,report,dask,site,view,s3,dev]'
 	@touch $@
 
 demo: $(INSTALLED)   ## the main job end to end on the embedded recorded world; ends with a report to open

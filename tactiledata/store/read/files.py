@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import mmap
 import os
 from abc import ABC, abstractmethod
 from collections import OrderedDict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -215,7 +216,8 @@ class RemoteFiles(StoreFiles):
         return f"{folder}/{path}" if folder else path
 
     def _read(self, path: str) -> bytes:
-        return self._system[0].cat_file(self._join(path))
+        with _client_errors():
+            return self._system[0].cat_file(self._join(path))
 
     def spans(self, spans: Sequence[Span]) -> list[bytes]:
         """Ranges of files, fetched together."""
@@ -224,14 +226,16 @@ class RemoteFiles(StoreFiles):
         paths = [self._join(path) for path, _, _ in spans]
         starts = [start for _, start, _ in spans]
         stops = [None if start < 0 else stop for _, start, stop in spans]
-        return self._system[0].cat_ranges(paths, starts, stops, on_error="raise")
+        with _client_errors():
+            return self._system[0].cat_ranges(paths, starts, stops, on_error="raise")
 
     def names(self, folder: str) -> list[str]:
         """Names in a folder; empty also where the protocol cannot list."""
         system = self._system[0]
         try:
             system.invalidate_cache()
-            listed = system.ls(self._join(folder), detail=False)
+            with _client_errors():
+                listed = system.ls(self._join(folder), detail=False)
         except (OSError, NotImplementedError):
             return []
         return sorted({str(name).rstrip("/").rpartition("/")[2] for name in listed})
@@ -240,7 +244,8 @@ class RemoteFiles(StoreFiles):
         """Whether there is anything at the location."""
         system, folder = self._system
         try:
-            return bool(system.exists(folder))
+            with _client_errors():
+                return bool(system.exists(folder))
         except (OSError, NotImplementedError):
             return False
 
@@ -253,6 +258,17 @@ class RemoteFiles(StoreFiles):
         """The URL of a file of the store."""
         head, separator, tail = self.location.partition("::")
         return f"{head.rstrip('/')}/{path}{separator}{tail}"
+
+
+@contextlib.contextmanager
+def _client_errors() -> Iterator[None]:
+    """Turn the errors of a protocol's client (no connection, no rights) into an `OSError`, which they often are not."""
+    try:
+        yield
+    except (OSError, KeyError, NotImplementedError):
+        raise
+    except Exception as error:
+        raise OSError(f"{type(error).__name__}: {error}") from error
 
 
 def _opened(store: zarr.abc.store.Store, path: str, files: StoreFiles) -> zarr.Array:
