@@ -8,9 +8,9 @@ from typing import Any
 
 import typer
 
-from tactiledata.cli.demo_diagnosis import diagnose_touches
-from tactiledata.cli.demo_gel import play_gel
-from tactiledata.cli.demo_transfer import transfer_touches
+from tactiledata.cli.demo_steps.diagnosis import diagnose_touches
+from tactiledata.cli.demo_steps.gel import play_gel
+from tactiledata.cli.demo_steps.transfer import transfer_touches
 from tactiledata.cli.documents import wrong_document_is_wrong_usage
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say
 from tactiledata.contract.wording import counted

@@ -31,7 +31,7 @@ def plant(
     diagnosis: Path = typer.Option(None, "--diagnosis", help="With --score: diagnosis.json of the copy."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Plant a known effect into a copy of a store, for a proof on your own recordings.
+    """Plant a known effect into a copy of a store.
 
     The label is sealed beside the copy: COPY.seal.json may be published, COPY.label.json is kept from whoever
     diagnoses.

@@ -82,7 +82,7 @@ def test_marks_come_and_go(age):
     """A section with a wrong digest is marked, once; with the right one the mark goes; printed headings are none."""
     text = "# R\n\n## one\n\nwords\n\n```text\n## two\n*Older than the code: x*\n```\n\n## three\n\nwords\n"
     assert age.headings(text) == ["one", "three"]
-    path = "benchmarks/wilson.py"
+    path = "benchmarks/timing.py"
     old = {"heading": "one", "commit": "abcdef01", "depends": [path], "digests": {path: "0" * 12}}
     new = {"heading": "three", "commit": "abcdef01", "depends": [path], "digests": {path: age.digest_now(path)}}
     assert age.changed_paths(old) == [path]
@@ -91,7 +91,7 @@ def test_marks_come_and_go(age):
     assert marked.splitlines()[2:5] == [
         "## one",
         "",
-        "*Older than the code: printed at abcdef01 or before, and changed since: `benchmarks/wilson.py`.*",
+        "*Older than the code: printed at abcdef01 or before, and changed since: `benchmarks/timing.py`.*",
     ]
     assert marked.count("Older than the code: printed") == 1
     assert age.marked(marked, age.marks([old, new])) == marked
@@ -100,7 +100,7 @@ def test_marks_come_and_go(age):
 
 def test_digests_at_a_commit_are_those_of_its_files(age):
     """The digest of a file that is committed as it lies there is the same from either side; of none, another."""
-    path = "benchmarks/wilson.py"
+    path = "benchmarks/timing.py"
     if not (ROOT / ".git").exists() or age._git("status", "--porcelain", "--", path):
         pytest.skip("no clone, or the file is changed")
     assert age.digest_at("HEAD", path) == age.digest_now(path)

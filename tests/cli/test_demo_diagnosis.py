@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from tactiledata.cli.demo_diagnosis import diagnose_touches
-from tactiledata.cli.demo_gel import balls_of
+from tactiledata.cli.demo_steps.diagnosis import diagnose_touches
+from tactiledata.cli.demo_steps.gel import balls_of
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.rig.record import record
 from tactiledata.rig.scenario.generate import touches

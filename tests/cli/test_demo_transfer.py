@@ -8,8 +8,8 @@ import pytest
 import typer.main
 from transfer_stores import write_two_sensors
 
-from tactiledata.cli import demo_transfer
-from tactiledata.cli.demo_transfer import transfer_touches, unused_target
+from tactiledata.cli.demo_steps import transfer as demo_transfer
+from tactiledata.cli.demo_steps.transfer import transfer_touches, unused_target
 from tactiledata.cli.main import app
 from tactiledata.rig.scenario.scenario import load_scenario
 from tactiledata.rig.scenario.worlds import find_scenario

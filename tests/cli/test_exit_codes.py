@@ -34,6 +34,8 @@ MISSING_PATH = {
     "fine-tune": [NOWHERE],
     "view": [NOWHERE],
     "flag": [NOWHERE, "--list"],
+    "prove": ["--verify", "nowhere"],
+    "plant": [NOWHERE, "--effect", "lag", "--into", "new.zarr"],
 }
 WITHOUT_PATHS = {"formats", "indenters", "effects"}
 WRONG_CALLS = {

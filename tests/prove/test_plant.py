@@ -58,7 +58,7 @@ def test_nothing_planted_changes_no_number(store, tmp_path):
         ["t_ns", "contact_force", "crc32c"]
     )
     assert copy.encoded([0, 5]) == store.encoded([0, 5])
-    assert "planted" in {finding.code for finding in findings_of(copy.findings())}
+    assert "effect-planted" in {finding.code for finding in findings_of(copy.findings())}
 
 
 def test_deriving_anew_gives_what_ingest_derived(store, tmp_path):

@@ -211,7 +211,11 @@ def test_the_command_serves_until_it_is_interrupted(tiny_store, tmp_path):
 
     command = [sys.executable, "-c", "from tactiledata.cli.main import run; run()", "view", str(tiny_store)]
     arguments = ["t00000", "--web", "--port", "0", "--out", str(tmp_path / "view.rrd"), "--pictures", "2"]
-    running = subprocess.Popen([*command, *arguments], stdout=subprocess.PIPE, text=True)
+    # a shell may start what it runs in the background with this signal ignored
+    running = subprocess.Popen(
+        [*command, *arguments], stdout=subprocess.PIPE, text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )  # fmt: skip
     try:
         for line in running.stdout:
             if line.startswith("look: "):

@@ -54,7 +54,9 @@ class Planting:
             Commitment to the label.
         """
         finding = Finding(
-            "planted", "info", f"an effect was planted into this copy, or nothing; its label is sealed as {commitment}"
+            "effect-planted",
+            "info",
+            f"an effect was planted into this copy, or nothing; its label is sealed as {commitment}",
         )
         changed = self.take(take)
         return replace(changed, findings=pa.concat_tables([changed.findings, findings_table([finding])]))

@@ -9,6 +9,7 @@ import pytest
 from tactiledata.contract.records import Finding
 from tactiledata.contract.simulated import SimulatedCount
 from tactiledata.contract.take import FrameFlag, Reference, findings_table
+from tactiledata.errors import MissingFile
 from tactiledata.ingest.sources import first_program as program_module
 from tactiledata.ingest.sources import overview as module
 from tactiledata.ingest.sources.first_program import first_program
@@ -47,6 +48,9 @@ class Tables:
         self.parts = parts
         self.aligned_names = list(parts.get("aligned", {}))
         self.frame_value_names = parts.get("frame_values", ())
+
+    def read_file(self, path):
+        raise MissingFile(path, "a file", "Look elsewhere.")
 
     def trajectories(self, columns=None):
         found = pa.Table.from_pylist(self.touches)
@@ -274,6 +278,7 @@ def described(monkeypatch, held_out, problem=""):
     monkeypatch.setattr(module, "read_split_document", lambda store, name: document)
     monkeypatch.setattr(module, "read_split", lambda store, name: None)
     monkeypatch.setattr(module, "coverage_problem", lambda split, uids: problem)
+    monkeypatch.setattr(module, "flagged_in_parts", lambda store, split: [])
     monkeypatch.setattr(module, "command", lambda location, name, options: f"draw {location} {name} {options}")
     return module._split(Tables(splits=("mine",), touches=[touch()]), "mine")
 

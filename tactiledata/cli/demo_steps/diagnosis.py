@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from tactiledata.rig.scenario.scenario import Scenario
 
-from tactiledata.cli.demo_gel import balls_of
+from tactiledata.cli.demo_steps.gel import balls_of
 from tactiledata.cli.output import progress
 from tactiledata.errors import TactileDataError
 
