@@ -226,8 +226,13 @@ def test_a_merkle_root_depends_on_every_leaf():
             assert merkle_root([*leaves[1:], leaves[0]]) != root
 
 
-def test_sealed_cases_tell_nothing_by_their_files(tmp_path):
-    """A classifier stays at chance on names, sizes, stamps and order, and finds a leak that was planted."""
+def test_sealed_cases_tell_nothing_by_their_files(tmp_path, monkeypatch):
+    """A classifier stays at chance on names, sizes, stamps and order, and finds a leak that was planted.
+
+    Names are drawn by a seed here: of truly random ones, one in twenty looks telling at this level.
+    """
+    chance = np.random.default_rng(5)
+    monkeypatch.setattr(sealing.secrets, "token_hex", lambda count: chance.bytes(count).hex())
     clean = leak_of(sealed_proof(tmp_path / "clean"), draws=40)
     assert clean.p > 0.05
     leaking = leak_of(sealed_proof(tmp_path / "leaking", lambda kind: 50 if kind == "nulls" else 51), draws=40)
