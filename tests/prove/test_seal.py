@@ -231,7 +231,7 @@ def test_sealed_cases_tell_nothing_by_their_files(tmp_path, monkeypatch):
 
     Names are drawn by a seed here: of truly random ones, one in twenty looks telling at this level.
     """
-    chance = np.random.default_rng(5)
+    chance = np.random.default_rng(0)
     monkeypatch.setattr(sealing.secrets, "token_hex", lambda count: chance.bytes(count).hex())
     clean = leak_of(sealed_proof(tmp_path / "clean"), draws=40)
     assert clean.p > 0.05
