@@ -13,7 +13,8 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from tactiledata.arrays import PictureArray
-from tactiledata.contract.image_bytes import MAX_DECODED_PIXELS, decode_rgb, size_fault
+from tactiledata.contract import image_bytes
+from tactiledata.contract.image_bytes import decode_rgb
 from tactiledata.contract.take import FrameFlag
 from tactiledata.errors import BrokenLog, StoreError
 from tactiledata.store.layout.manifest import settings_of
@@ -288,11 +289,11 @@ class Pictures:
         """Refuse frames beyond the limit of decoded size with a `StoreError`, before memory is taken."""
         columns, wanted = self._load(), np.asarray(rows, np.int64)
         sizes = columns["height"][wanted].astype(np.int64) * columns["width"][wanted]
-        for row in wanted[sizes > MAX_DECODED_PIXELS].tolist():
-            if fault := size_fault(int(columns["height"][row]), int(columns["width"][row])):
+        for row in wanted[sizes > image_bytes.MAX_DECODED_PIXELS].tolist():
+            if fault := image_bytes.size_fault(int(columns["height"][row]), int(columns["width"][row])):
                 raise StoreError(
                     f"the image of frame {row} is not decoded: its {fault}",
-                    f"images of at most {MAX_DECODED_PIXELS} pixels",
+                    f"images of at most {image_bytes.MAX_DECODED_PIXELS} pixels",
                     "`tactiledata check --repair` marks it, so that it is left out.",
                     row=row,
                 )
