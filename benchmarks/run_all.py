@@ -17,6 +17,7 @@ BENCHMARKS = (
     "gel_mesh_error.py",
     "linear_error.py",
     "estimated_plays.py",
+    "plays_growth.py",
     "solver_difference.py",
     "replay_memory.py",
     "calibration_worlds.py",
