@@ -127,9 +127,9 @@ def main() -> None:
             ingest(record(load_scenario(scenario(count)), folder / "logs", "mcap"), store)
         header(f"diagnosing {count} trajectories", ("numpy", "scipy", "scikit-learn", "matplotlib"))
         first, _, told = _diagnosed(store, count, folder / "first", asked.own_pad)
-        print(f"with plays: {first:.0f} s")
+        print(f"with plays: {first:.0f} s", flush=True)
         for at, sentence in told["first_answers"]:
-            print(f"told after {at:.0f} s: {sentence}")
+            print(f"told after {at:.0f} s: {sentence}", flush=True)
         seconds, processor, found = _diagnosed(store, count, folder / "second", asked.own_pad)
         alike = [filecmp.cmp(folder / "first" / name, folder / "second" / name, shallow=False) for name in WRITTEN]
     print(f"answer: {found['sentence']}")
