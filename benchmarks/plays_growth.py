@@ -20,11 +20,12 @@ from typing import NamedTuple
 
 from estimated_plays import played
 from gel_growth import pad_of
-from naming_case import Maker, to_play
 from timing import header, table
-from wedge_plan import WedgePlan
 
 from tactiledata.calibrate.touches import MeasuredTouch
+from tactiledata.prove.worlds.recorder import WorldMaker
+from tactiledata.prove.worlds.touches import to_play
+from tactiledata.prove.worlds.wedges import WedgePlan
 
 COUNTS = (9, 18, 36)
 STRIDES = (4, 2, 1)
@@ -70,7 +71,7 @@ def main() -> None:
     most, spacing = (4, SPACINGS[0]) if options.quick else (TOUCHES, SPACING)
     plan = WedgePlan(0)
     with tempfile.TemporaryDirectory() as bank:
-        touches = to_play(Maker.of(plan, Path(bank)).touches)
+        touches = to_play(WorldMaker.of(plan, Path(bank)).touches)
     header("growth of the plays of a first diagnosis", ("numpy", "scipy", "numba"))
     played(plan, pad_of(SPACINGS[0]), touches[:1], estimate=True)  # what is compiled is compiled
     runs = [run("touches", plan, touches[:count], spacing) for count in counts]
