@@ -48,7 +48,7 @@ class Epochs:
         return self.processor_seconds()
 
     def processor_seconds(self) -> float:
-        """Of this process and its workers, since they began."""
+        """Return the processor time of this process and its workers since they began, s."""
         everyone = [psutil.Process(), *psutil.Process().children(recursive=True)]
         # Linux's clock of another process (clock_getcpuclockid): psutil's counts in hundredths of a second
         return sum(time.clock_gettime((~process.pid << 3) | 2) for process in everyone)
@@ -239,7 +239,7 @@ def _best(seconds: dict[str, list[float]], word: str) -> str:
 
 
 def _check(seats: dict[str, Seat], order: list[int]) -> None:
-    """Nothing, where all ways give the same values, as they are first read and as they are read again."""
+    """Stop with an error unless all ways give the same values, when first read and when read again."""
     truth = next(seat for name, seat in seats.items() if OTHER in name).call("checksums", order)[-1]
     for name, seat in seats.items():
         for _ in range(2):

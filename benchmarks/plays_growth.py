@@ -32,7 +32,7 @@ STRIDES = (4, 2, 1)
 SPACINGS = (1.2e-3, 0.8e-3, 0.6e-3)
 """m, of the middle of the pad; at 0.4 mm, the spacing of the data, a run takes a quarter of an hour."""
 TOUCHES, SPACING = 18, 0.8e-3
-"""Of the rows in which something else differs."""
+"""Number of touches, and spacing of the pad in m, in the tables where something else grows."""
 
 
 class Grown(NamedTuple):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -115,6 +116,30 @@ class Exporter(ABC):
     def front_matter(self, episodes: Episodes, files: Sequence[ExportedFile]) -> str:
         """Return lines of YAML with which the page for people begins; empty for none."""
         return ""
+
+
+def files_by_part(episodes: Episodes, largest: int, path: Callable[[str, int, int], str]) -> list[ExportedFile]:
+    """Return files of some episodes each, none over two parts, whose pictures have about ``largest`` bytes.
+
+    Parameters
+    ----------
+    episodes : Episodes
+        What is exported.
+    largest : int
+        Bytes.
+    path : callable
+        Gives the path of a file: called with its part, its number within the part, and the number of files of the part.
+    """
+    groups = episodes.groups(largest)
+    counts = Counter(episodes.parts[start] for start, _ in groups)
+    before: Counter[str] = Counter()
+    files = []
+    for start, stop in groups:
+        part = episodes.parts[start]
+        frames = int(episodes.lengths[start:stop].sum())
+        files.append(ExportedFile(path(part, before[part], counts[part]), start, stop, frames))
+        before[part] += 1
+    return files
 
 
 def no_counts() -> dict[str, Any]:

@@ -12,7 +12,7 @@ from tactiledata.export.episodes import Episodes
 from tactiledata.export.meanings import stream_facts
 from tactiledata.export.plan import ExportPlan
 from tactiledata.loaders.streams import Stream
-from tactiledata.store.read.flags import flag_words, flagged_trajectories
+from tactiledata.store.read.flags import flag_words
 from tactiledata.store.read.simulated import simulated_recordings
 
 FORMAT = "tactiledata-export/1"
@@ -116,11 +116,10 @@ def _general_remarks(
 ) -> list[str]:
     """Return what an export derives, and which values it lacks, whatever its format."""
     remarks = []
-    uids = set(episodes.store.trajectories(["uid"]).take(episodes.trajectories)["uid"].to_pylist())
-    flags = [flag for uid, flag in flagged_trajectories(episodes.store).items() if uid in uids]
-    if flags:
+    if episodes.flags:
+        words = flag_words(episodes.flags, MOST_FLAGS)
         remarks.append(
-            f"{counted(len(flags), 'flagged trajectory')} went out as well ({flag_words(flags, MOST_FLAGS)}): the "
+            f"{counted(len(episodes.flags), 'flagged trajectory')} went out as well ({words}): the "
             "column `flag` of `tactiledata/trajectories.parquet` says which. A split drawn anew leaves them out."
         )
     if exporter.at_frames and episodes.action is not None:

@@ -17,6 +17,7 @@ from tactiledata.export.meanings import stream_facts
 from tactiledata.export.pictures import encoded_picture
 from tactiledata.loaders.index import FrameIndex
 from tactiledata.loaders.streams import Stream, values_at_frames
+from tactiledata.store.read.flags import Flag, flagged_trajectories
 from tactiledata.store.read.reader import Store
 from tactiledata.store.read.simulated import trajectory_kinds
 
@@ -130,6 +131,12 @@ class Episodes:
         columns = (table[name].to_pylist() for name in table.column_names)
         uids, names, sensors, indenters = ([value or "" for value in column] for column in columns)
         return EpisodeFacts(uids, names, sensors, indenters, [kinds[row] for row in self.trajectories.tolist()])
+
+    @cached_property
+    def flags(self) -> dict[str, Flag]:
+        """Flags of the episodes' trajectories, by uid."""
+        uids = set(self.facts.uids)
+        return {uid: flag for uid, flag in flagged_trajectories(self.store).items() if uid in uids}
 
     @cached_property
     def stream_facts(self) -> dict[str, dict[str, Any]]:

@@ -1,4 +1,4 @@
-"""From a store to a finished export: planned by tables, written file by file, put in its place at the end."""
+"""Export of a store: tables say which files it gets, each file is written whole, and a rename ends it."""
 
 from __future__ import annotations
 

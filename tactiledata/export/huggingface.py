@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 import yaml
 
-from tactiledata.export.base import ExportedFile, Exporter, FileFacts, count, no_counts
+from tactiledata.export.base import ExportedFile, Exporter, FileFacts, count, files_by_part, no_counts
 from tactiledata.export.episodes import Episodes, FrameBatch
 from tactiledata.export.parquet_rows import SUFFIX, RowField, pictures, schema_of, vectors, write_rows
 from tactiledata.export.plan import MEGABYTE, ExportPlan
@@ -33,14 +33,11 @@ class HuggingFaceExporter(Exporter):
 
     def files(self, episodes: Episodes, plan: ExportPlan) -> Sequence[ExportedFile]:
         """Return the parquet files; their names count those of each part."""
-        groups = episodes.groups(plan.file_mb * MEGABYTE)
-        parts = [episodes.parts[start] for start, _ in groups]
-        files = []
-        for number, (start, stop) in enumerate(groups):
-            part = parts[number]
-            name = f"data/{part}-{parts[:number].count(part):05d}-of-{parts.count(part):05d}.parquet"
-            files.append(ExportedFile(name, start, stop, int(episodes.lengths[start:stop].sum())))
-        return files
+        return files_by_part(
+            episodes,
+            plan.file_mb * MEGABYTE,
+            lambda part, number, count: f"data/{part}-{number:05d}-of-{count:05d}.parquet",
+        )
 
     def write(self, episodes: Episodes, file: ExportedFile, path: Path, advance: Callable[[int], None]) -> FileFacts:
         """Write the rows of some episodes, and count missing values.

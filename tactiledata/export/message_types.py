@@ -29,7 +29,7 @@ KNOWN = {
 """Topics and types that viewers and our own reader know."""
 WIDTHS = {WRENCH: 6, POSE: 7, JOINTS: 6}
 PACKAGE = "tactiledata_msgs/msg"
-"""Where our own types are: a header and numbers, one type for each set of columns."""
+"""Package of the message types that no standard has: a header and numbers, one type for each set of columns."""
 FIELD = re.compile(r"[a-z](_?[a-z0-9])*")
 """Names that ROS 2 allows for a field."""
 MakeMessage = Callable[[int, RealArray], bytes]

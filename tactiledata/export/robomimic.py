@@ -21,7 +21,7 @@ FILTER_KEYS = {"val": "valid"}
 NO_ENVIRONMENT = {"env_name": "recorded touches", "type": 2, "env_kwargs": {}}
 """What stands where robomimic expects the simulator that recorded: it is read, and serves for no roll-out."""
 SAME_FILE = b"."
-"""Where HDF5 looks for the source of a view: in the file that the view is in, whatever it is called."""
+"""Name by which a virtual data set of HDF5 means its own file, whatever the file is called."""
 
 
 class RobomimicExporter(Exporter):

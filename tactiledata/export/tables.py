@@ -11,7 +11,6 @@ from tactiledata.contract.atomic import write_atomic
 from tactiledata.export.episodes import Episodes
 from tactiledata.export.pictures import png_bytes
 from tactiledata.store.layout.places import folder_name
-from tactiledata.store.read.flags import flagged_trajectories
 from tactiledata.store.read.reader import Store
 from tactiledata.store.read.simulated import kinds_of
 
@@ -28,8 +27,8 @@ def write_tables(episodes: Episodes, folder: Path) -> None:
     store, rows = episodes.store, episodes.trajectories
     table = store.trajectories().take(rows).drop_columns(["source", "frame_start", "frame_stop", "signal_rows"])
     sources = store.sources(["key", "sha256"]).take(store.trajectories(["source"]).take(rows)["source"])
-    flags = flagged_trajectories(store)
-    reasons = [flags[uid].reason if uid in flags else None for uid in table["uid"].to_pylist()]
+    flags = episodes.flags
+    reasons = [flags[uid].reason if uid in flags else None for uid in episodes.facts.uids]
     columns = {
         "flag": pa.array(reasons, pa.string()),
         "episode": pa.array(range(len(episodes)), pa.int64()),

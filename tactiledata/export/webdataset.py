@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from tactiledata.contract.provenance import json_bytes
-from tactiledata.export.base import ExportedFile, Exporter, FileFacts, count, no_counts
+from tactiledata.export.base import ExportedFile, Exporter, FileFacts, count, files_by_part, no_counts
 from tactiledata.export.episodes import Episodes, FrameBatch
 from tactiledata.export.parquet_rows import SUFFIX
 from tactiledata.export.plan import MEGABYTE, ExportPlan
@@ -35,15 +35,9 @@ class WebDatasetExporter(Exporter):
 
     def files(self, episodes: Episodes, plan: ExportPlan) -> Sequence[ExportedFile]:
         """Return the shards, numbered within each part."""
-        groups = episodes.groups(plan.file_mb * MEGABYTE)
-        parts = [episodes.parts[start] for start, _ in groups]
-        return [
-            ExportedFile(
-                f"{part}-{parts[:number].count(part):0{SHOWN}d}.tar", start, stop,
-                int(episodes.lengths[start:stop].sum()),
-            )
-            for number, (part, (start, stop)) in enumerate(zip(parts, groups, strict=True))
-        ]  # fmt: skip
+        return files_by_part(
+            episodes, plan.file_mb * MEGABYTE, lambda part, number, _: f"{part}-{number:0{SHOWN}d}.tar"
+        )
 
     def write(self, episodes: Episodes, file: ExportedFile, path: Path, advance: Callable[[int], None]) -> FileFacts:
         """Write the samples of some episodes.

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from tactiledata.store.read.reader import Store
 
 LAYOUT = 1
-"""Of the files; part of the key."""
+"""Version of the layout of the cache's files; it is part of the key, so that another layout makes new files."""
 CACHE_BYTES = 16 * 2**30
 """What the caches of a folder may take unless stated: 73,000 pictures of 320 x 240."""
 ROW_BYTES = 8

@@ -1,4 +1,4 @@
-"""Where everything is on the viewer's screen."""
+"""Layout of the viewer: which panes a trajectory has, and how they are arranged on the screen."""
 
 from __future__ import annotations
 
