@@ -14,6 +14,7 @@ from split_models.transfer.pixels import PIXEL_TRANSFERS
 from tactiledata.cli.explain import damage_explains
 from tactiledata.cli.given_values import listed_names
 from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say
+from tactiledata.cli.task_options import SCHEDULER, WORKERS
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
 from tactiledata.contract.wording import counted
 
@@ -53,6 +54,8 @@ def transfer(
     ),
     out_store: Path = OUT,
     device: str = DEVICE,
+    workers: int = WORKERS,
+    scheduler: str = SCHEDULER,
     as_json: bool = JSON_OPTION,
 ) -> None:
     """Give the touches of a store the style of another sensor.
@@ -83,7 +86,9 @@ def transfer(
         kept = kept_by(way, samples, target.background)
         measured = documents(choice.drawn, kept)
         with progress("transferring", quiet=as_json) as tell:
-            report = transfer_store(opened, target, way, written, named, tell, measured)
+            report = transfer_store(
+                opened, target, way, written, named, tell, measured, workers=workers, scheduler=scheduler
+            )
         lost = list(touch_findings(kept, way.name.replace("_", "-"), target.name))
         report = replace(report, findings=(*report.findings, *lost))
         picture = write_transfer_picture(opened, Store.open(written), target, way.name, written.with_suffix(".png"))

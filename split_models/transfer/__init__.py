@@ -7,6 +7,7 @@ Read in this order:
 - ``methods``: finds any method by name, and lists those that need an image VAE; ``pixels`` lists the others;
 - ``method_choice``: the method that suits a store's touches, and how much of a touch a method keeps;
 - ``transfer_store``, ``transfer_take`` and ``transfer_picture``: a store whose trajectories name their parents;
+  ``transfer_tasks``: its recordings as tasks of a scheduler;
 - ``fine_tune``: an image VAE that learns another sensor; ``style_augmentation``: transfer inside a training batch;
 - ``latent_vectors``: vectors by which the pictures of sensors are compared. ``picture_size``: pictures of another size.
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterator, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,9 @@ from numpy.typing import NDArray
 
 from split_models.transfer.methods import TransferMethod
 from split_models.transfer.transfer_take import Transfer, crc_of, stage_transfer
+from split_models.transfer.transfer_tasks import staged_by
+from tactiledata.compute import make_scheduler
+from tactiledata.compute.base import Scheduler
 from tactiledata.contract.progress import Progress
 from tactiledata.contract.provenance import digest_of
 from tactiledata.contract.records import Finding
@@ -83,6 +87,9 @@ def transfer_store(
     sensors: Sequence[str] | None = None,
     progress: Progress | None = None,
     measured: Mapping[str, Any] | None = None,
+    *,
+    workers: int = 1,
+    scheduler: str | None = None,
 ) -> TransferReport:
     """Write a store with every touch of a store as the target sensor might have recorded it, and report on it.
 
@@ -107,18 +114,23 @@ def transfer_store(
         Called with recordings done, recordings in all, and the name of the last one.
     measured : dict, optional
         Figures on how much of the touches is kept, as JSON values, which are stored with each recording.
+    workers : int
+        Number of local processes, each of which transfers whole recordings.
+    scheduler : str, optional
+        Address of a Dask scheduler whose workers do so instead; they see both stores at the same paths.
 
     Raises
     ------
     UnknownName
         The store does not know a sensor.
     UsageError
-        Backgrounds have different sizes, or ``out`` holds another store.
+        Backgrounds have different sizes, ``out`` holds another store, or no Dask scheduler answers.
     StoreError
         A sensor has no picture without contact, or no frame can be transferred.
     """
     backgrounds = refuse_unfit(store, target, method, out, sensors)
     transfer = Transfer(target, method, backgrounds, _settings(target, method), measured or {})
+    runner = make_scheduler(workers, scheduler) if scheduler or workers != 1 else None
     pieces = list(pieces_of(Origin.of(store)))
     counts = [len(transfer.selected(piece)) for piece in pieces]
     chosen = [piece for piece, count in zip(pieces, counts, strict=True) if count]
@@ -137,7 +149,8 @@ def transfer_store(
         recover(out)
         # before the recordings: what is made of a flagged trajectory is never there without the flag of its parent
         carried = carry_flags([store], out, derived=True)
-        added = _write(out, chosen, transfer, progress)
+        added = _write(out, chosen, transfer, runner, progress)
+        recover(out)  # locks of workers need not stay
     made = Store.open(out)
     notes = [f"meshes stay with the parents: {', '.join(store.mesh_names)}"] if store.mesh_names else []
     return TransferReport(
@@ -154,7 +167,9 @@ def transfer_store(
     )
 
 
-def _write(out: Path, pieces: Sequence[Piece], transfer: Transfer, progress: Progress | None) -> int:
+def _write(
+    out: Path, pieces: Sequence[Piece], transfer: Transfer, runner: Scheduler | None, progress: Progress | None
+) -> int:
     """Stage and commit the recordings that the output store lacks; the number that was added."""
     held = set(Store.open(out).manifest["sources"])
     waiting = find_staged(out)
@@ -162,11 +177,17 @@ def _write(out: Path, pieces: Sequence[Piece], transfer: Transfer, progress: Pro
     largest = settings_of(Store.open(out).manifest).heap_chunk_bytes
 
     def takes() -> Iterator[StagedTake]:
-        for done, piece in enumerate(fresh, start=len(pieces) - len(fresh) + 1):
-            ready = waiting.get(transfer.digest(piece))
-            yield ready or stage_transfer(out, piece, transfer, largest)
-            if progress is not None:
-                progress(done, len(pieces), piece.facts["key"])
+        lacking = [piece for piece in fresh if transfer.digest(piece) not in waiting]
+        made: Generator[StagedTake, None, None]
+        if runner is None:
+            made = (stage_transfer(out, piece, transfer, largest) for piece in lacking)
+        else:
+            made = staged_by(runner, lacking, out, transfer, largest)
+        with closing(made):
+            for done, piece in enumerate(fresh, start=len(pieces) - len(fresh) + 1):
+                yield waiting.get(transfer.digest(piece)) or next(made)
+                if progress is not None:
+                    progress(done, len(pieces), piece.facts["key"])
 
     commit_groups(out, takes())
     return len(fresh)

@@ -10,6 +10,7 @@ import typer
 from tactiledata.cli.explain import damage_explains
 from tactiledata.cli.given_values import listed_names
 from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say, table
+from tactiledata.cli.task_options import SCHEDULER, WORKERS
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
 
 
@@ -55,10 +56,8 @@ def calibrate(
     ),
     indenters: Path = typer.Option(None, "--indenters", help="Folder of the mesh files that recordings name."),
     seed: int = typer.Option(0, "--seed", help="Random seed for drawing trajectories."),
-    workers: int = typer.Option(1, "--workers", min=1, help="Number of local processes."),
-    scheduler: str = typer.Option(
-        None, "--scheduler", help="Address of a Dask scheduler that simulates instead of local processes."
-    ),
+    workers: int = WORKERS,
+    scheduler: str = SCHEDULER,
     as_json: bool = JSON_OPTION,
 ) -> None:
     """Fit Young's modulus, Poisson's ratio and friction of the gel. A second run reuses simulations of the first.

@@ -11,6 +11,7 @@ import typer
 from tactiledata.cli.documents import wrong_document_is_wrong_usage
 from tactiledata.cli.given_values import listed_names
 from tactiledata.cli.output import JSON_OPTION, emit, err, plain, progress, say
+from tactiledata.cli.task_options import scheduler_option, workers_option
 from tactiledata.cli.working_store import working_store
 from tactiledata.errors import UsageError
 
@@ -60,10 +61,8 @@ def diagnose(
     ),
     shore_a: float = typer.Option(24.5, "--shore-a", help="Store: Shore A hardness of the gel, where fits start."),
     indenters: Path = typer.Option(None, "--indenters", help="Store: folder of the mesh files that recordings name."),
-    workers: int = typer.Option(1, "--workers", min=1, help="Store: number of local processes."),
-    scheduler: str = typer.Option(
-        None, "--scheduler", help="Store: address of a Dask scheduler that simulates instead of local processes."
-    ),
+    workers: int = workers_option("Store: "),
+    scheduler: str = scheduler_option("Store: "),
     columns: Path = typer.Option(None, "--columns", help="Table: YAML file that states the meaning of the columns."),
     group: str = typer.Option(
         None, "--group", help="Table: column whose value is shared by rows that were recorded together."

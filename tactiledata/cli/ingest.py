@@ -11,6 +11,7 @@ import typer
 from tactiledata.cli.documents import mapping_document
 from tactiledata.cli.next_steps import first_split, stale_split
 from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say, table
+from tactiledata.cli.task_options import SCHEDULER, WORKERS
 from tactiledata.contract.wording import counted
 from tactiledata.errors import UsageError
 
@@ -34,8 +35,8 @@ def ingest(
     gap_limit: float = typer.Option(
         0.1, "--gap-limit", help="Longest gap around a frame, in seconds; a longer one flags the frame."
     ),
-    workers: int = typer.Option(1, "--workers", help="Number of local processes."),
-    scheduler: str = typer.Option(None, "--scheduler", help="Address of a Dask scheduler, instead of local processes."),
+    workers: int = WORKERS,
+    scheduler: str = SCHEDULER,
     as_json: bool = JSON_OPTION,
 ) -> None:
     """Add recordings to a store; those it has stay unchanged. Safe to kill and to run again.

@@ -10,6 +10,7 @@ import typer
 
 from tactiledata.cli.given_values import listed_names
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say, table
+from tactiledata.cli.task_options import SCHEDULER, WORKERS
 from tactiledata.contract.wording import counted
 from tactiledata.errors import UsageError
 
@@ -55,8 +56,8 @@ def prove(
     ),
     full: bool = typer.Option(False, "--full", help="Play gels in full on which an answer could rest (long)."),
     again: str = typer.Option(None, "--again", help="Diagnose these cases once more: their names, with commas."),
-    workers: int = typer.Option(1, "--workers", min=1, help="Number of local processes."),
-    scheduler: str = typer.Option(None, "--scheduler", help="Address of a Dask scheduler in place of local processes."),
+    workers: int = WORKERS,
+    scheduler: str = SCHEDULER,
     bank: Path = typer.Option(None, "--bank", help="Folder of kept solutions of generators. Default: in the cache."),
     as_json: bool = JSON_OPTION,
 ) -> None:

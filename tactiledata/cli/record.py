@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
 from tactiledata.cli.documents import wrong_document_is_wrong_usage
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say
+from tactiledata.cli.task_options import WORKERS
 from tactiledata.contract.wording import counted
 
 
@@ -27,7 +28,7 @@ def record(
     ),
     out: Path = typer.Option(..., "--out", help="Folder for the logs; it is made where it is missing."),
     form: str = typer.Option("mcap", "--format", help="Form of the logs: mcap or folder."),
-    workers: int = typer.Option(1, "--workers", min=1, help="Number of local processes."),
+    workers: int = WORKERS,
     as_json: bool = JSON_OPTION,
 ) -> None:
     """Make simulated recordings of a world with known truth.

@@ -11,6 +11,7 @@ import typer
 from tactiledata.cli.documents import calibration_document, effects_document
 from tactiledata.cli.explain import damage_explains
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say
+from tactiledata.cli.task_options import SCHEDULER, WORKERS
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
 from tactiledata.errors import UnknownName, UsageError
 
@@ -53,8 +54,8 @@ def replay(
         0.1, "--gap-limit", help="Longest gap in seconds across which a pose is interpolated."
     ),
     out: Path = typer.Option(Path("replay"), "--out", help="Folder for the page with pictures."),
-    workers: int = typer.Option(1, "--workers", help="Number of local processes."),
-    scheduler: str = typer.Option(None, "--scheduler", help="Address of a Dask scheduler, instead of local processes."),
+    workers: int = WORKERS,
+    scheduler: str = SCHEDULER,
     as_json: bool = JSON_OPTION,
 ) -> None:
     """Attach a soft-gel mesh to every frame of a store.

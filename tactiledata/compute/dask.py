@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import logging
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
 
 from tactiledata.compute.base import Outcome, R, Scheduler, T, attempt
-from tactiledata.errors import UsageError
+from tactiledata.errors import TactileDataError, UsageError
 
 CONNECT_TIMEOUT = 20.0
-"""Seconds to wait for the scheduler to answer."""
+"""Seconds to wait for the scheduler to answer, and for a first worker."""
+LARGEST_TASK = "1GB"
+"""Size of a task from which on Dask warns. Few are on their way at a time, and the networks of a transfer are large."""
 
 
 class DaskScheduler(Scheduler):
@@ -26,8 +31,19 @@ class DaskScheduler(Scheduler):
         self.address = address
 
     def outcomes(self, function: Callable[[T], R], tasks: Sequence[T]) -> Iterator[Outcome[T, R]]:
-        """Yield one `Outcome` per task in order; refuse a scheduler that does not answer."""
+        """Yield one `Outcome` per task in order.
+
+        Tasks of a worker that dies go to another one.
+
+        Raises
+        ------
+        UsageError
+            The package is missing, no scheduler answers, or it has no workers.
+        TactileDataError
+            Workers died again and again at one task, or the scheduler was lost.
+        """
         try:
+            from dask import config
             from distributed import Client
         except ImportError as error:
             raise UsageError(
@@ -43,12 +59,59 @@ class DaskScheduler(Scheduler):
                 "the address of a running scheduler, like tcp://host:8786",
                 "Start a scheduler with `dask scheduler`, or use --workers N.",
             ) from error
-        with client:
+        few_warnings = config.set({"distributed.admin.large-graph-warning-threshold": LARGEST_TASK})
+        with _without_log("distributed.client"), client, few_warnings:
+            self._need_workers(client)
             ahead = max(4, 2 * sum(client.ncores().values()))
             waiting: deque = deque()
             for task in tasks:
-                waiting.append(client.submit(attempt, function, task, pure=False))
+                waiting.append((task, client.submit(attempt, function, task, pure=False)))
                 if len(waiting) >= ahead:
-                    yield waiting.popleft().result()
+                    yield self._collect(*waiting.popleft())
             while waiting:
-                yield waiting.popleft().result()
+                yield self._collect(*waiting.popleft())
+
+    def _need_workers(self, client: Any) -> None:
+        """Refuse a scheduler without workers: tasks would wait for ever."""
+        try:
+            client.wait_for_workers(1, timeout=CONNECT_TIMEOUT)
+        except TimeoutError as error:
+            raise UsageError(
+                f"the Dask scheduler at {self.address!r} has no workers",
+                "one or more",
+                f"Start some with `dask worker {self.address}`, where the files are seen at the same paths.",
+            ) from error
+
+    def _collect(self, task: Any, future: Any) -> Outcome[Any, Any]:
+        """Return the outcome of a submitted task; a cluster that failed becomes an error of ours."""
+        from distributed import CancelledError, KilledWorker
+
+        try:
+            return future.result()
+        except KilledWorker as error:
+            raise TactileDataError(
+                f"workers of the Dask cluster died again and again at {str(task)[:300]}",
+                "",
+                "Most often they ran out of memory: give them more, or start fewer on a machine. Run the command again "
+                "to go on; finished tasks are kept.",
+            ) from error
+        except (CancelledError, OSError) as error:
+            if future.status not in ("cancelled", "lost"):
+                raise
+            raise TactileDataError(
+                f"the Dask scheduler at {self.address!r} was lost at {str(task)[:300]}",
+                "",
+                "Start it anew, and run the command again to go on; finished tasks are kept.",
+            ) from error
+
+
+@contextmanager
+def _without_log(name: str) -> Iterator[None]:
+    """Silence a logger inside the block: a lost scheduler would be told as tracebacks, beside the error of ours."""
+    logger = logging.getLogger(name)
+    before = logger.level
+    logger.setLevel(logging.CRITICAL + 1)
+    try:
+        yield
+    finally:
+        logger.setLevel(before)

@@ -1,6 +1,10 @@
 """Every scheduler gives the same outcomes in the order of the tasks."""
 
 import os
+import re
+import subprocess
+import sys
+import time
 
 import pytest
 
@@ -59,3 +63,50 @@ def test_absent_dask_scheduler_is_a_usage_error(monkeypatch):
     monkeypatch.setattr("tactiledata.compute.dask.CONNECT_TIMEOUT", 0.5)
     with pytest.raises(UsageError, match="no Dask scheduler answers"):
         list(SCHEDULERS["dask"]("tcp://127.0.0.1:9").outcomes(halve, range(2)))
+
+
+@pytest.mark.slow
+def test_a_task_that_kills_every_worker_is_named():
+    """A task at which workers die again and again ends the run with advice that names it."""
+    distributed = pytest.importorskip("distributed")
+    with (
+        pytest.importorskip("dask").config.set({"distributed.scheduler.allowed-failures": 0}),
+        distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=":0") as cluster,
+        pytest.raises(TactileDataError, match="died again and again at 0"),
+    ):
+        list(SCHEDULERS["dask"](cluster.scheduler_address).outcomes(end_process, range(1)))
+
+
+def end_process(number):
+    os._exit(1)
+
+
+@pytest.mark.slow
+def test_a_lost_scheduler_and_one_without_workers_are_said(monkeypatch):
+    """A scheduler without workers is wrong usage; one that dies on the way ends the run with advice, no traceback."""
+    pytest.importorskip("distributed")
+    started = []
+
+    def start(program, *words):
+        command = [sys.executable, "-m", f"distributed.cli.dask_{program}", *words, "--no-dashboard"]
+        started.append(subprocess.Popen(command, stderr=subprocess.PIPE, text=True))
+        return started[-1]
+
+    try:
+        scheduler = start("scheduler", "--port", "0")
+        address = next(found[0] for line in scheduler.stderr if (found := re.search(r"tcp://[\d.]+:\d+", line)))
+        with monkeypatch.context() as patch:
+            patch.setattr("tactiledata.compute.dask.CONNECT_TIMEOUT", 2.0)
+            with pytest.raises(UsageError, match="has no workers"):
+                list(SCHEDULERS["dask"](address).outcomes(halve, range(2)))
+        start("worker", address, "--nthreads", "1", "--no-nanny")
+        # a function that a worker finds without the folder of this test
+        outcomes = SCHEDULERS["dask"](address).outcomes(time.sleep, [0.2] * 40)
+        assert next(outcomes).is_ok
+        scheduler.kill()
+        with pytest.raises(TactileDataError, match="was lost at"):
+            list(outcomes)
+    finally:
+        for process in started:
+            process.kill()
+            process.communicate()
