@@ -7,7 +7,7 @@ OUT    ?= demo-out
 
 OWNERS  = $(VENV)/owners
 
-.PHONY: help demo test quick check bench site mutants owners wheel-test clean
+.PHONY: help demo test quick check bench site mutants fuzz owners wheel-test clean
 
 help:            ## this list
 	@grep -hE '^[a-z-]+: .*##|^[a-z-]+:  *##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
@@ -51,5 +51,9 @@ mutants: $(INSTALLED) ## the mutation score of a sample, and the changes that no
 	$(BIN)/pip install --quiet -c constraints.txt -e '.[mutants]'
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/mutants.py --sample $(or $(SAMPLE),60) --seed $(or $(SEED),1)
 
+# every night: a fault ends it with 1, and its files are in .fuzz; FUZZ_MINUTES=1 for a look
+fuzz: $(INSTALLED)   ## changed bytes into every reader, for half an hour
+	OMP_NUM_THREADS=1 $(BIN)/python tests/fuzz/run_fuzz.py --minutes $(or $(FUZZ_MINUTES),30)
+
 clean:           ## remove what make made, the virtual environment included
-	rm -rf $(VENV) $(OUT) build dist site .pytest_cache .mypy_cache .ruff_cache .mutants
+	rm -rf $(VENV) $(OUT) build dist site .pytest_cache .mypy_cache .ruff_cache .mutants .fuzz
