@@ -6,6 +6,11 @@ from pathlib import Path, PurePosixPath
 
 from tactiledata.errors import UnsafeContent
 
+LONGEST_NAME = 255
+"""Bytes of the name of a file or folder, as file systems have them."""
+LONGEST_PATH = 3000
+"""Bytes of a relative path: the system's 4096 less what the folder takes."""
+
 
 def path_inside(folder: Path, name: str, where: str) -> Path:
     """The path ``folder/name``, where a document named ``name``.
@@ -22,8 +27,16 @@ def path_inside(folder: Path, name: str, where: str) -> Path:
     Raises
     ------
     UnsafeContent
-        The name is absolute, or leads out of the folder by ``..`` or by a link, or a link leads to itself.
+        The name is absolute, or leads out of the folder by ``..`` or by a link, a link leads to itself, or no file can
+        have that name.
     """
+    if _is_impossible(name):
+        raise UnsafeContent(
+            f"{where} names the path {name[:80]!r}{'…' if len(name) > 80 else ''} ({len(name)} characters)",
+            f"names of Unicode characters, of at most {LONGEST_NAME} bytes each and {LONGEST_PATH} together",
+            "No file can have that name: correct it.",
+            path=name,
+        )
     pure = PurePosixPath(name.replace("\\", "/"))
     escapes = pure.is_absolute() or ".." in pure.parts or "\0" in name or (pure.parts and ":" in pure.parts[0])
     if not escapes:
@@ -40,3 +53,12 @@ def path_inside(folder: Path, name: str, where: str) -> Path:
             path=name,
         )
     return path
+
+
+def _is_impossible(name: str) -> bool:
+    """Whether no file can have this name: the system would refuse to look for it."""
+    try:
+        encoded = name.replace("\\", "/").encode()
+    except UnicodeEncodeError:
+        return True
+    return len(encoded) > LONGEST_PATH or any(len(part) > LONGEST_NAME for part in encoded.split(b"/"))

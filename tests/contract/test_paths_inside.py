@@ -65,3 +65,16 @@ def test_ways_out_are_refused(folder, name):
 def test_names_inside_are_given(folder, name):
     """Names below the folder are taken, there or not, also through a link that stays inside."""
     assert path_inside(folder, name, "log.yaml").is_relative_to(folder)
+
+
+@pytest.mark.parametrize("name", ["a" * 256, "é" * 128, "/".join(["ab"] * 1200), "a\ud800.png", "b/" + "c" * 5000])
+def test_names_that_no_file_can_have_are_refused(folder, name):
+    """A name too long for the system, or with half a character, is refused in words that do not repeat all of it."""
+    with pytest.raises(UnsafeContent, match="No file can have that name") as caught:
+        path_inside(folder, name, "log.yaml")
+    assert len(str(caught.value)) < 500
+
+
+def test_the_longest_names_are_taken(folder):
+    """The longest name that a file can have is no fault."""
+    assert path_inside(folder, "a" * 255, "log.yaml").name == "a" * 255

@@ -19,7 +19,7 @@ WORDS = (
 """Texts that readers of numbers, names and tables may stumble over."""
 VALUES = (
     None, True, -1, 0, 2**64, -(2**70), 0.5, float("nan"), float("inf"), 1e308, "", "x", "../up", "a" * 5000, [], {},
-    [[]], {"": None}, [1, "a", None], "\x00", "nan", [0] * 1000, "\ud7ff", "2024-01-01",
+    [[]], {"": None}, [1, "a", None], "\x00", "nan", [0] * 1000, "\ud800", "2024-01-01",
 )  # fmt: skip
 """Values of other types and sizes than a document has at any place."""
 TEXTS = {".json", ".yaml", ".yml", ".csv", ".tsv", ".txt", ".stl", ".obj", ".mesh", ".msh"}

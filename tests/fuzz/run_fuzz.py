@@ -157,7 +157,7 @@ def _work(reader: Reader, fixture: Path, case: Path, seeds: list[int], memory: i
         except TactileDataError:
             pass
         except BaseException as error:  # noqa: BLE001 - whatever else comes out is what is looked for
-            lines = traceback.format_exc(limit=-12)
+            lines = "".join(traceback.format_tb(error.__traceback__, limit=-12))
             tell(is_done=True, what=f"{type(error).__name__}: {str(error)[:200]}", details=lines[-3000:])
             return
         tell(is_done=True)

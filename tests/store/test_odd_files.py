@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from pathlib import Path
 
@@ -82,3 +83,14 @@ def test_a_table_of_a_split_that_is_a_pipe_is_named(folder: Path) -> None:
     in_its_place(folder / "splits/default.parquet", "pipe")
     [finding] = [one for one in check(folder, images=False) if one.code == "store-split"]
     assert "default.parquet is a pipe or a device" in finding.message
+
+
+def test_chunks_without_rows_are_damage(folder: Path) -> None:
+    """Chunks of no rows, which zarr opens, are found by the check and refused by a reader."""
+    place = folder / "signals" / "wrench" / "value" / "zarr.json"
+    document = json.loads(place.read_text())
+    document["chunk_grid"]["configuration"]["chunk_shape"][0] = 0
+    place.write_text(json.dumps(document))
+    assert "damage" in {finding.severity for finding in check(folder)}
+    with pytest.raises(StoreError, match="metadata that cannot be read"):
+        Store.open(folder).signal("wrench").values(0, 5)

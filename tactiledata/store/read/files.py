@@ -275,7 +275,10 @@ def _opened(store: zarr.abc.store.Store, path: str, files: StoreFiles) -> zarr.A
     location = files.location
     try:
         # with the format known, zarr does not look for the metadata of other formats
-        return zarr.open_array(store, path=path, mode="r", zarr_format=3)
+        array = zarr.open_array(store, path=path, mode="r", zarr_format=3)
+        if not array.chunks or min(array.chunks) < 1:  # zarr takes them, and divides by their number of rows
+            raise ValueError(f"chunks of shape {array.chunks}")
+        return array
     except FileNotFoundError as error:
         raise missing_file(path, location) from error
     except (ValueError, TypeError, KeyError, AttributeError) as error:
