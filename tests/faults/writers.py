@@ -30,7 +30,7 @@ class Writer:
 
 
 def nothing(folder: Path) -> None:
-    """The store that is there suffices."""
+    """Leave the folder as it is."""
 
 
 def store_in(folder: Path, name: str = "ds.zarr", n_sources: int = 3) -> None:
@@ -47,20 +47,18 @@ def record(folder: Path) -> None:
     from tactiledata.rig.record import record as run
     from tactiledata.rig.scenario.scenario import load_scenario
 
+    press = {"press": {"depth": 2e-4, "settle": 0.05}}
+    touch = {"sensor": "D1", "indenter": "ball", "position": [0.001, -0.002], "steps": [press]}
     world = {
         "format": "tactiledata-scenario/1",
         "seed": 5,
-        "sensors": {"D1": {"background": "digit-bg-2"}},
+        "sensors": {"D1": {"background": "digit-bg-0"}},
         "indenters": {"ball": {"shape": "sphere", "radius": 0.004}},
-        "images": {"every": 20},
-        "trajectories": [
-            {
-                "name": f"t{number}", "sensor": "D1", "indenter": "ball", "position": [0.0, 0.001 * number],
-                "steps": [{"press": {"depth": 2e-4, "step": 2e-4, "settle": 0.05}}],
-            }
-            for number in range(2)
-        ],
-    }  # fmt: skip
+        "streams": {"joints": 50, "tcp": 50, "wrench": 50, "arm_wrench": 20},
+        "images": {"free_air_frames": 1},
+        "recordings": {"group": "each"},
+        "trajectories": [{"name": name, **touch} for name in ("one", "two")],
+    }
     run(load_scenario(world), folder / "logs", "folder")
 
 
@@ -130,7 +128,7 @@ def export(folder: Path) -> None:
     from tactiledata.export.plan import ExportPlan
     from tactiledata.store.read.reader import Store
 
-    export_data(Store.open(folder / "ds.zarr"), ExportPlan("webdataset"), folder / "out")
+    export_data(Store.open(folder / "ds.zarr"), ExportPlan("webdataset", split="none"), folder / "out")
 
 
 def transfer(folder: Path) -> None:
