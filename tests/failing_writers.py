@@ -35,14 +35,18 @@ def counting(at_call):
 
 
 def in_child(work):
-    """Run work in a forked process; its wait status. An error of the toolkit ends it with 3, any other with 4."""
+    """Run work in a forked process; its wait status.
+
+    It ends with 3 by an error of the toolkit or of the system, which the command line tells in a sentence, and with 4
+    by any other.
+    """
     child = os.fork()
     if child == 0:
         code = 4
         try:
             work()
             code = 0
-        except TactileDataError:
+        except (TactileDataError, OSError):
             code = 3
         finally:
             os._exit(code)

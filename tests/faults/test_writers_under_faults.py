@@ -4,6 +4,7 @@ import ctypes
 import os
 import re
 import time
+from functools import partial
 
 import numpy as np
 import pytest
@@ -16,16 +17,15 @@ from tactiledata.gel.mesh.structured_pad import GridPlan
 
 pytestmark = pytest.mark.slow
 
-STARTED = re.compile(r"(^|/)\.[^/]+\.part(/|$)")
+STARTED = re.compile(r"(^|/)\.[^/]+\.(part|old)(/|$)")
 """Hidden files and folders that become others once they are whole."""
 COARSE = GridPlan(5, 6, 1.2e-3, (4.8e-3, 6.0e-3), (0.0, 0.6, 1.0))
 
 
 @pytest.fixture(autouse=True)
-def _small(tmp_path, tmp_path_factory, monkeypatch):
-    """A coarse pad, plays that are kept apart, and commits of few recordings."""
+def _small(monkeypatch):
+    """A coarse pad, and commits of few recordings."""
     monkeypatch.setitem(structured_pad.PLANS, "low", COARSE)
-    monkeypatch.setenv("TACTILEDATA_CACHE", str(tmp_path_factory.getbasetemp() / "cache"))
     monkeypatch.setattr("tactiledata.store.write.commit.GROUP_TAKES", 1)
 
 
@@ -43,11 +43,17 @@ def prepared(tiny_store, tmp_path_factory):
                 copy_tree(tiny_store, before / "ds.zarr")
             WRITERS[name].prepare(before)
             copy_tree(before, after)
-            moments = moments_of(lambda: WRITERS[name].write(after))
+            moments = moments_of(partial(run, WRITERS[name], after))
             kept[name] = before, whole(after), moments
         return kept[name]
 
     return make
+
+
+def run(writer, folder):
+    """Run a writer, in a process of its own; what it keeps for later is among the files that are compared."""
+    os.environ["TACTILEDATA_CACHE"] = str(folder / "cache")
+    writer.write(folder)
 
 
 def whole(folder):
@@ -65,7 +71,7 @@ def case(request, prepared, tmp_path):
         folder = tmp_path / "case"
 
         def write(self):
-            self.writer.write(self.folder)
+            run(self.writer, self.folder)
 
         def ends_the_same(self):
             """Whether the same command, left alone, now ends as it would have at once."""
@@ -91,7 +97,7 @@ def test_killed_it_goes_on(case, request):
 @every_writer
 def test_on_a_full_disk_it_says_so_and_goes_on(case):
     """Where files cannot grow, it ends with an error of ours, and goes on once there is room."""
-    assert on_a_full_disk(case.write, 300) == 3
+    assert on_a_full_disk(case.write, 20) == 3
     case.ends_the_same()
 
 
@@ -140,7 +146,7 @@ def test_control_modes_hold(tmp_path):
     tmp_path.chmod(0o555)
     place = tmp_path / "new"
     try:
-        assert os.waitstatus_to_exitcode(in_child(lambda: (obey_modes(), place.write_text("x")))) == 4
+        assert os.waitstatus_to_exitcode(in_child(lambda: (obey_modes(), place.write_text("x")))) == 3
     finally:
         tmp_path.chmod(0o755)
     assert not place.exists()
