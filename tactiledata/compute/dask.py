@@ -12,7 +12,9 @@ from tactiledata.compute.base import Outcome, R, Scheduler, T, attempt
 from tactiledata.errors import TactileDataError, UsageError
 
 CONNECT_TIMEOUT = 20.0
-"""Seconds to wait for the scheduler to answer, and for a first worker."""
+"""Seconds to wait for the scheduler to answer."""
+WORKER_TIMEOUT = 60.0
+"""Seconds to wait for a first worker."""
 LARGEST_TASK = "1GB"
 """Size of a task from which on Dask warns. Few are on their way at a time, and the networks of a transfer are large."""
 
@@ -74,7 +76,7 @@ class DaskScheduler(Scheduler):
     def _need_workers(self, client: Any) -> None:
         """Refuse a scheduler without workers: tasks would wait for ever."""
         try:
-            client.wait_for_workers(1, timeout=CONNECT_TIMEOUT)
+            client.wait_for_workers(1, timeout=WORKER_TIMEOUT)
         except TimeoutError as error:
             raise UsageError(
                 f"the Dask scheduler at {self.address!r} has no workers",

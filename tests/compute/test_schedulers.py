@@ -96,7 +96,7 @@ def test_a_lost_scheduler_and_one_without_workers_are_said(monkeypatch):
         scheduler = start("scheduler", "--port", "0")
         address = next(found[0] for line in scheduler.stderr if (found := re.search(r"tcp://[\d.]+:\d+", line)))
         with monkeypatch.context() as patch:
-            patch.setattr("tactiledata.compute.dask.CONNECT_TIMEOUT", 2.0)
+            patch.setattr("tactiledata.compute.dask.WORKER_TIMEOUT", 0.5)
             with pytest.raises(UsageError, match="has no workers"):
                 list(SCHEDULERS["dask"](address).outcomes(halve, range(2)))
         start("worker", address, "--nthreads", "1", "--no-nanny")

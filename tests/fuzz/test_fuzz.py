@@ -27,6 +27,11 @@ def wait(folder):
     time.sleep(60)
 
 
+def turn(folder):
+    while True:
+        pass
+
+
 def fill(folder):
     return np.ones(GIB, np.uint8)
 
@@ -41,10 +46,11 @@ def end(folder):
         (lambda folder: int("x"), "ValueError"),
         (fill, "MemoryError"),
         (wait, "more than 0.3 s"),
+        (turn, "more than 0.3 s"),
         (end, "the process ended: -11"),
         (refuse, None),
     ],
-    ids=["traceback", "memory", "hang", "crash", "own-error"],
+    ids=["traceback", "memory", "wait", "endless", "crash", "own-error"],
 )
 def test_each_kind_of_fault_is_found_and_kept(read, what, tmp_path):
     """A traceback, a crash, a hang and too much memory are faults, each with its files; an error of ours is none."""
