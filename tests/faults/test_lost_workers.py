@@ -29,7 +29,7 @@ def killing(cluster, killed):
 
     def kill(done, total, what=""):
         if done and not killed:
-            killed += [worker.pid for worker in cluster.workers.values()]
+            killed.extend(worker.pid for worker in cluster.workers.values())
             for pid in killed:
                 os.kill(pid, signal.SIGKILL)
 
