@@ -309,11 +309,11 @@ def row_of_reading(log: Path, store: Any, folder: Path, owners: str) -> tuple[st
 
 
 def row_of_sizes(folder: Path, store: Path) -> tuple[str, dict[str, str]]:
-    """Bytes on disk of the same recordings."""
+    """Space on disk that the same recordings take; holes of files take none."""
 
     def size(place: Path) -> str:
         files = [place] if place.is_file() else [path for path in place.rglob("*") if path.is_file()]
-        return f"{sum(path.stat().st_size for path in files) / 1e6:.1f} MB"
+        return f"{sum(512 * path.stat().st_blocks for path in files) / 1e6:.1f} MB"
 
     converted = folder / "rrd"
     converted.mkdir()

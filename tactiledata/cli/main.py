@@ -71,7 +71,7 @@ def run() -> None:
             stream.reconfigure(errors="backslashreplace")
     as_json = "--json" in sys.argv[1:]
     try:
-        code = app(standalone_mode=False) or 0
+        code = app(standalone_mode=False, prog_name="tactiledata") or 0
     except BrokenPipeError:
         # the reader of our output went away, as `| head` does
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
