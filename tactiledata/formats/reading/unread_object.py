@@ -72,5 +72,9 @@ def dill_names(
             raise pickle.UnpicklingError("an array of another class")
         return end_array(state)
 
-    functions = {"_import_module": _module_name, "_get_attr": attribute, "_create_array": array}
+    functions: dict[str, Callable[..., Any]] = {
+        "_import_module": _module_name,
+        "_get_attr": attribute,
+        "_create_array": array,
+    }
     return {(module, name): function for module in ("dill._dill", "dill.dill") for name, function in functions.items()}
