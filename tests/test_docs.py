@@ -16,11 +16,27 @@ BLOCK = re.compile(
     r"(?P<comment><!-- not run: (?P<reason>[^>]+) -->\n)?```(?P<language>[a-z]*) ?(?P<file>[^\n]*)\n(?P<code>.*?)^```",
     re.DOTALL | re.MULTILINE,
 )
+PRINTED = re.compile(
+    r"^```python\n(?P<code>.*?)^```\n\nIt prints:\n\n```text\n(?P<printed>.*?)^```", re.DOTALL | re.MULTILINE
+)
+"""A block and what the page says that it prints."""
+NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?")
 LINK = re.compile(r"\]\((?!https?://|#|mailto:)(?P<target>[^)#\s]+)")
 
 
 def blocks(page):
     return [match.groupdict() for match in BLOCK.finditer(page.read_text(encoding="utf-8"))]
+
+
+def printed_alike(one, other):
+    """Whether two texts have the same words, and numbers that differ by a tenth or by one in the last digit."""
+    if NUMBER.sub("#", one).split() != NUMBER.sub("#", other).split():
+        return False
+    numbers = zip(NUMBER.findall(one), NUMBER.findall(other), strict=True)
+    return all(
+        abs(float(a) - float(b)) <= max(0.1 * abs(float(b)), 1.01 * 10.0 ** -len(b.partition(".")[2]))
+        for a, b in numbers
+    )
 
 
 @pytest.fixture(scope="session")
@@ -64,6 +80,7 @@ def test_blocks_run(page, prepared, tmp_path):
         "PYTHONPATH": str(ROOT),
         "PYTHONWARNINGS": "error",
     }
+    printed = {match["code"]: match["printed"] for match in PRINTED.finditer(page.read_text(encoding="utf-8"))}
     for block in runnable:
         if block["language"] == "python":
             command = [sys.executable, "-c", block["code"]]
@@ -74,6 +91,16 @@ def test_blocks_run(page, prepared, tmp_path):
             command, cwd=tmp_path / "work", env=environment, capture_output=True, text=True, check=False, timeout=900
         )
         assert done.returncode == 0, f"{page.name}:\n{block['code']}\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}"
+        if block["code"] in printed:
+            assert printed_alike(done.stdout, printed[block["code"]]), f"{page.name}: {done.stdout}"
+
+
+def test_what_pages_print_is_compared():
+    """Rounding and another processor do not matter; other numbers, other words and lines too many do."""
+    assert printed_alike("error 0.3 N of 845 kPa\n", "error 0.3 N of 850 kPa\n")
+    for other in ("error 0.5 N of 845 kPa\n", "error 0.3 N of 745 kPa\n", "error 0.3 mN of 845 kPa\n", "error 0.3 N\n"):
+        assert not printed_alike(other, "error 0.3 N of 845 kPa\n")
+    assert sum(len(PRINTED.findall(page.read_text(encoding="utf-8"))) for page in PAGES) >= 3
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))

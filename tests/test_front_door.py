@@ -53,7 +53,8 @@ def test_every_page_is_in_the_menu_of_the_site():
     """No page of the docs is missing from the menu."""
     menu = yaml.safe_load((ROOT / "mkdocs.yml").read_text(encoding="utf-8"))["nav"]
     listed = [page for group in menu for pages in group.values() for page in _pages(pages)]
-    assert sorted(listed) == sorted(["index.md", *(page.name for page in (ROOT / "docs").glob("*.md"))])
+    notebooks = [page.with_suffix(".md").name for page in (ROOT / "docs").glob("*.ipynb")]
+    assert sorted(listed) == sorted(["index.md", *notebooks, *(page.name for page in (ROOT / "docs").glob("*.md"))])
 
 
 def _pages(pages):
@@ -74,3 +75,10 @@ def test_the_site_is_built_without_a_warning_and_knows_the_code(tmp_path):
     start = (tmp_path / "site/index.html").read_text(encoding="utf-8")
     assert 'href="transfer/"' in start
     assert "docs/transfer.md" not in start
+    # the notebook is a page with its code, and a file to be downloaded
+    tutorial = (tmp_path / "site/tutorial/index.html").read_text(encoding="utf-8")
+    assert 'href="../tutorial.ipynb"' in tutorial
+    assert "DiagnosisOptions" in tutorial
+    assert 'href="../why-splits-leak/"' in tutorial
+    assert "%%bash" not in tutorial
+    assert (tmp_path / "site/tutorial.ipynb").read_bytes() == (ROOT / "docs/tutorial.ipynb").read_bytes()

@@ -36,7 +36,7 @@ app = CheckedApp(
     name="tactiledata",
     help="Recordings of a robot pressing a vision-based tactile sensor, turned into a checked, leak-free dataset.",
     no_args_is_help=True,
-    add_completion=False,
+    add_completion=True,
     rich_markup_mode=None,
     context_settings={"max_content_width": 120},
     pretty_exceptions_enable=False,
@@ -71,7 +71,7 @@ def run() -> None:
             stream.reconfigure(errors="backslashreplace")
     as_json = "--json" in sys.argv[1:]
     try:
-        code = app(standalone_mode=False) or 0
+        code = app(standalone_mode=False, prog_name="tactiledata") or 0
     except BrokenPipeError:
         # the reader of our output went away, as `| head` does
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -40,6 +40,8 @@ MAX_TEXTS = 20
 POSE = {
     "x_mm": 1e-3, "y_mm": 1e-3, "z_mm": 1e-3, "quat_x": 1.0, "quat_y": 1.0, "quat_z": 1.0, "quat_w": 1.0,
 }  # fmt: skip
+POSITION = ("x_mm", "y_mm", "z_mm")
+"""All that domains with a pose of three numbers state; T3's loader reads no more of them."""
 SEQUENCES = {
     "tvl": re.compile(r"(data\d+|ssvtp)"),
     "calandra17": re.compile(r"(.*_\d+)_gelsight[AB]_(?:during|before)"),
@@ -315,6 +317,11 @@ def _labels(sample: _Sample, sequence: _Sequence, intake: Intake) -> dict[str, l
         units = ("m", "m", "m", "1", "1", "1", "1")
         intake.declare("pose", SIGNAL_COLUMNS["tcp"], units, "as the corpus gives it, millimetres turned into metres")
         values["pose"] = [float(content.pop(key)) * scale for key, scale in POSE.items()]
+    elif set(POSITION) <= set(content) and all(isinstance(content[key], int | float) for key in POSITION):
+        intake.declare(
+            "position", ("x", "y", "z"), ("m", "m", "m"), "as the corpus gives it, millimetres turned into metres"
+        )
+        values["position"] = [float(content.pop(key)) * POSE[key] for key in POSITION]
     for key, value in content.items():
         kept = stream_name(f"label_{key}")
         if isinstance(value, bool | int | float) and np.isfinite(float(value)):

@@ -291,7 +291,7 @@ def _other(
 def _declare(tables: Mapping[str, NDArray[np.float64]], intake: Intake) -> None:
     for what, table in tables.items():
         if what == "force":
-            note = "as the corpus gives it, its axes are not documented; NaN outside the listed contacts"
+            note = "x and y shear, z normal, as the corpus gives them; NaN outside the listed contacts"
             intake.declare("force", ("fx", "fy", "fz"), ("N", "N", "N"), note)
         else:
             width = table.shape[1]

@@ -53,6 +53,9 @@ BACKGROUNDS: dict[str, int] = {
 
 REAL_CAMERAS = {"webcam": "webcam_frames"}
 SIMULATED_CAMERAS = {"gt_heightmap": "gt_heightmaps", "gt_contactmask": "gt_contactmasks"}
+SETTINGS = frozenset({"omegaconf"})
+"""Packages of settings whose objects lie beside the simulated poses (``mNoise``); they are passed over."""
+LICENCE = "MIT (its authors' README since September 2024; CC BY-SA 4.0 in copies from before)"
 IMAGE_FOLDERS = {"frames", "tactile_images", *REAL_CAMERAS.values(), *SIMULATED_CAMERAS.values()}
 REAL_NAME = re.compile(r"dataset_\d+")
 POSE = SIGNAL_COLUMNS["tcp"]
@@ -82,7 +85,7 @@ class YcbSlideFormat(CorpusFormat):
     layout = """dataset/real/<obj>/{alignment.npy, <obj>.csv, dataset_<k>/…}
 dataset/real/<obj>/dataset_<k>/{frames/*.jpg, webcam_frames/*.jpg, synced_data.npy, digit_data.npy}
 dataset/sim/<obj>/<kk>/{tactile_images/*.jpg, gt_heightmaps/*.jpg, gt_contactmasks/*.jpg, tactile_data.pkl}"""
-    licence_note = "Data CC BY-SA 4.0: name the authors (Suresh et al., CoRL 2022) and share alike."
+    licence_note = "MIT since September 2024, CC BY-SA 4.0 before; name the authors (Suresh et al., CoRL 2022)."
 
     def sniff(self, path: Path) -> bool:
         """Whether a ``dataset_k`` or a simulated run lies here or below."""
@@ -122,7 +125,7 @@ dataset/sim/<obj>/<kk>/{tactile_images/*.jpg, gt_heightmaps/*.jpg, gt_contactmas
         taken = Trajectory(trajectory, start, end, sensor, thing, extra)
         models = {sensor: "digit"} | {beside(sensor, camera): "camera" for camera in intake.cameras if camera in others}
         kind: Kind = "simulated" if is_simulated else "real"
-        description = describe(source, mapping, models, "YCB-Slide", "CC BY-SA 4.0", kind)
+        description = describe(source, mapping, models, "YCB-Slide", LICENCE, kind)
         return self.finish(source, intake, description, [taken], signals)
 
 
@@ -171,7 +174,7 @@ def _simulated(folder: Path, intake: Intake) -> _Touch:
     poses: dict[str, NDArray[np.float64]] = {}
     count = max(indices, default=-1) + 1
     if stated.is_file():
-        content = load_pickle(stated)
+        content = load_pickle(stated, unread=SETTINGS)
         if not isinstance(content, dict):
             raise _misshapen(stated, f"a {type(content).__name__}", "a dict of poses")
         for key in ("gelposes", "camposes", "gelposes_meas"):
@@ -199,6 +202,11 @@ def _real(folder: Path, thing: str, intake: Intake) -> _Touch:
         note_nominal_rate(intake, "the folder of frames")
         return _Touch(np.array([nominal_ns(row) for row in range(len(on_disk))], dtype=np.int64), on_disk, [])
     content = load_npy(stated)
+    if content is None and plain.is_file():
+        # what the corpus' script writes where the starts of camera and tracker do not fit together
+        found = f"{synced.name} is empty: the clocks of camera and tracker were not matched; {plain.name} is read"
+        intake.note("poses-missing", "warning", found)
+        stated, content = plain, load_npy(plain)
     if not isinstance(content, dict):
         raise _misshapen(stated, f"a {type(content).__name__}", "a pickled dict")
     times, is_good = seconds_to_ns(_either(content, "timestamps", "timestamp", stated))

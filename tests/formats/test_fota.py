@@ -155,3 +155,14 @@ def test_inspection_opens_one_image_a_camera(tmp_path):
     assert inspection.topics[0].messages == 24
     assert inspection.topics[0].example.startswith("jpeg 24 x 32")
     assert inspection.facts["trajectories"] == 3
+
+
+def test_positions_without_a_turn_become_metres(tmp_path):
+    """A domain whose poses are three numbers, as T3's loader reads them, has positions in metres and no pose."""
+    recording, _ = first(tmp_path, pose="position")
+    position = recording.frame_values["position"]
+    wanted = np.column_stack([1.5e-3 * (np.arange(24) % 8), np.full(24, 2e-3), np.full(24, -3e-3)])
+    np.testing.assert_allclose(position.values, wanted, rtol=1e-12)
+    assert position.units == ("m", "m", "m")
+    assert "pose" not in recording.frame_values
+    assert not [name for name in recording.frame_values if name.endswith("_mm")]

@@ -2,6 +2,7 @@
 
 import os
 import pickle
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -262,3 +263,27 @@ def test_other_folders_are_not_claimed(tmp_path):
     assert not FORMAT.sniff(tmp_path)
     with pytest.raises(UsageError):
         FORMAT.sources(tmp_path)
+
+
+@pytest.mark.parametrize("written_by", ["dill_0_3_4", "dill_0_4_1"])
+def test_simulated_poses_as_the_corpus_writes_them(tmp_path, rng, written_by):
+    """The authors' simulator writes with dill, which wraps arrays, and puts an object of omegaconf beside them."""
+    root = ycb_slide.write(tmp_path, rng, objects=("025_mug",), runs=1, frames=2)
+    home = root / "sim/025_mug/00/tactile_data.pkl"
+    home.write_bytes((Path(__file__).parents[1] / f"data/ycb_slide/tactile_data_{written_by}.pkl").read_bytes())
+    recording, _ = read(FORMAT, root / "sim")[0]
+    drawn = np.random.default_rng(0)
+    for name in ("gel_pose", "camera_pose", "gel_pose_measured"):
+        wanted = np.column_stack([drawn.normal(size=(2, 3)) * 0.1, np.tile([0, 0, 0, 1.0], (2, 1))])
+        np.testing.assert_array_equal(recording.signals[name].values, wanted)
+
+
+def test_clocks_that_the_corpus_could_not_match(tmp_path, rng):
+    """Where the authors' script wrote None as synced data, the images and times are those of digit_data.npy."""
+    root = ycb_slide.write(tmp_path, rng, objects=("025_mug",), runs=1, sim=False)
+    np.save(root / "real/025_mug/dataset_0/synced_data.npy", None, allow_pickle=True)
+    recording, sink = read(FORMAT, root)[0]
+    assert len(sink.of("digit")) == 12
+    assert {image.encoding for image in sink.of("digit")} == {"jpeg"}
+    assert not recording.signals
+    assert any("not matched" in finding.message for finding in recording.findings)

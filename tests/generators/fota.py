@@ -52,7 +52,8 @@ def _label(sequence, frame, pose):
     label = {"fuzziness": sequence, "wool": True, "obj_name": f"cloth {sequence}"}
     if pose:
         label |= {"x_mm": 1.5 * frame, "y_mm": 2.0, "z_mm": -3.0}
-        label |= {"quat_x": 0.0, "quat_y": 0.0, "quat_z": 0.0, "quat_w": 1.0}
+        if pose != "position":
+            label |= {"quat_x": 0.0, "quat_y": 0.0, "quat_z": 0.0, "quat_w": 1.0}
     return label
 
 

@@ -2,8 +2,8 @@
 
 - ``corpus``, ``intake``: importers of public corpora: folders, nominal clocks, pictures and findings handed over.
 - ``csv_cells``, ``csv_tables``: tables from strangers; every faulty row is accounted for.
-- ``restricted_pickle``, ``pickled_list``, ``npz_members``, ``hdf5_members``: arrays from strangers, read without
-  running code.
+- ``restricted_pickle``, ``unread_object``, ``pickled_list``, ``npz_members``, ``hdf5_members``: arrays from strangers,
+  read without running code.
 - ``backgrounds``, ``described``: pictures without contact and trajectories that a description names.
 - ``natural_order``, ``links``, ``modality``, ``optitrack``, ``contact_radius``, ``stream_rate``: one question each.
 """

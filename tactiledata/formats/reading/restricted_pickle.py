@@ -3,6 +3,7 @@
 A pickle is a program. This reader runs a small part of its language only: numpy arrays, dtypes and scalars, str, bytes,
 numbers, and the containers list, tuple, dict, set, frozenset and OrderedDict. Any other name is refused before it is
 looked up. Arrays and dtypes are rebuilt by numpy's public functions from checked values, never by ``__setstate__``.
+Objects of packages that a caller names as unread are passed over: nothing of them is looked up either.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from numpy.typing import NDArray
 
 from tactiledata.contract.lfs_pointer import refuse_lfs_pointer
 from tactiledata.errors import BrokenLog, LostFile, UnsafeContent
+from tactiledata.formats.reading.unread_object import COMPANIONS, UnreadObject, dill_names
 
 MAX_PICKLE_BYTES = 8 * 2**30
 """Largest file that is unpickled whole; lists of images are indexed instead, see `pickled_list`."""
@@ -46,8 +48,16 @@ NPY_FAULTS: tuple[type[Exception], ...] = (*PICKLE_FAULTS, SyntaxError, tokenize
 """The same for the header of a .npy file, which is Python text."""
 
 
-def load_pickle(path: Path, max_bytes: int = MAX_PICKLE_BYTES) -> Any:
+def load_pickle(path: Path, max_bytes: int = MAX_PICKLE_BYTES, unread: frozenset[str] = frozenset()) -> Any:
     """The value in a pickle file.
+
+    Parameters
+    ----------
+    path : Path
+    max_bytes : int
+        Largest file that is read.
+    unread : set of str
+        Packages whose objects are passed over (an `UnreadObject` stands in their place) rather than refused.
 
     Raises
     ------
@@ -57,7 +67,7 @@ def load_pickle(path: Path, max_bytes: int = MAX_PICKLE_BYTES) -> Any:
         It is truncated, damaged, or larger than ``max_bytes``.
     """
     with open_named(path) as stream:
-        return _read_value(_bounded(path, stream, max_bytes), str(path))
+        return _read_value(_bounded(path, stream, max_bytes), str(path), unread)
 
 
 def loads(payload: bytes, where: str) -> Any:
@@ -117,9 +127,9 @@ def _bounded(path: Path, stream: BinaryIO, max_bytes: int) -> BoundedReader:
     return BoundedReader(stream, rest)
 
 
-def _read_value(stream: BoundedReader, where: str) -> Any:
+def _read_value(stream: BoundedReader, where: str, unread: frozenset[str] = frozenset()) -> Any:
     try:
-        value = _Reader(stream, where).load()
+        value = _Reader(stream, where, unread).load()
     except UnsafeContent:
         raise
     except PICKLE_FAULTS as error:
@@ -305,6 +315,7 @@ _ALLOWED: dict[tuple[str, str], Callable[..., Any]] = {
     **{(module, "frozenset"): _frozenset for module in ("builtins", "__builtin__")},
     **{(module, "complex"): _complex for module in ("builtins", "__builtin__")},
 }
+_ALLOWED |= dill_names(_ALLOWED, _begin_array, _end_array)
 
 
 class _Reader(pickle._Unpickler):
@@ -317,9 +328,10 @@ class _Reader(pickle._Unpickler):
     readline: Callable[[], bytes]
     dispatch: ClassVar[dict[int, Callable[..., Any]]] = dict(pickle._Unpickler.dispatch)
 
-    def __init__(self, stream: BoundedReader, where: str) -> None:
+    def __init__(self, stream: BoundedReader, where: str, unread: frozenset[str] = frozenset()) -> None:
         super().__init__(stream)
         self._where = where
+        self._unread = unread
 
     def _refuse(self, name: str) -> UnsafeContent:
         return UnsafeContent(
@@ -331,6 +343,8 @@ class _Reader(pickle._Unpickler):
         )
 
     def find_class(self, module: str, name: str) -> Any:
+        if module.partition(".")[0] in self._unread or (self._unread and (module, name) in COMPANIONS):
+            return UnreadObject()
         if (module, name) not in _ALLOWED:
             raise self._refuse(f"{module}.{name}")
         return _ALLOWED[module, name]
@@ -344,10 +358,18 @@ class _Reader(pickle._Unpickler):
     def load_build(self) -> None:
         state = self.stack.pop()
         target = self.stack[-1]
+        if isinstance(target, UnreadObject):
+            return
         if not isinstance(target, _Pending) or target.finished is not None:
             raise self._refuse(f"changing a {type(target).__name__}")
         target.finished = _end_array(state) if target.start is None else _end_dtype(target.start, state)
         self.stack[-1] = target.finished
+
+    def load_newobj(self) -> None:
+        self.stack.pop()
+        if not isinstance(self.stack.pop(), UnreadObject):
+            raise self._refuse("an instance of a class")
+        self.append(UnreadObject())
 
     def load_refused(self) -> None:
         raise self._refuse("an instance of a class")
@@ -366,9 +388,10 @@ class _Reader(pickle._Unpickler):
         self._push_remembered(struct.unpack("<I", self.read(4))[0])
 
     dispatch[pickle.BUILD[0]] = load_build
+    dispatch[pickle.NEWOBJ[0]] = load_newobj
     dispatch[pickle.GET[0]] = load_get
     dispatch[pickle.BINGET[0]] = load_binget
     dispatch[pickle.LONG_BINGET[0]] = load_long_binget
-    for _opcode in (pickle.NEWOBJ, pickle.NEWOBJ_EX, pickle.INST, pickle.OBJ, pickle.NEXT_BUFFER):
+    for _opcode in (pickle.NEWOBJ_EX, pickle.INST, pickle.OBJ, pickle.NEXT_BUFFER):
         dispatch[_opcode[0]] = load_refused
     del _opcode

@@ -1,9 +1,12 @@
 """Pickles of corpora are data or are refused: nothing in them runs, nothing is lost without a word."""
 
 import collections
+import fractions
 import os
 import pickle
 import struct
+import sys
+import types
 
 import numpy as np
 import pytest
@@ -16,6 +19,7 @@ from tactiledata.errors import BrokenLog, MissingFile, UnsafeContent
 from tactiledata.formats.reading.natural_order import last_number, natural_key, natural_sorted
 from tactiledata.formats.reading.pickled_list import index_bytes_list
 from tactiledata.formats.reading.restricted_pickle import load_npy, load_pickle, loads
+from tactiledata.formats.reading.unread_object import UnreadObject
 
 PROTOCOLS = range(pickle.HIGHEST_PROTOCOL + 1)
 PLAIN = st.recursive(
@@ -253,3 +257,61 @@ def test_natural_order_is_total(names):
     """Any names can be ordered, the order does not depend on the start, and equal keys mean equal names."""
     assert natural_sorted(names) == natural_sorted(reversed(names))
     assert len({natural_key(name) for name in names}) == len(set(names))
+
+
+class Dill:
+    """A value that dill would have written: by functions of its own."""
+
+    def __init__(self, *content):
+        self.content = content
+
+    def __reduce__(self):
+        return self.content
+
+
+def dill_module():
+    """A module that pickles under the names of dill; its functions run nothing but what they are asked to."""
+    module = types.ModuleType("dill._dill")
+    for name in ("_import_module", "_get_attr", "_create_array", "_load_type"):
+        exec(f"def {name}(*given): return given", module.__dict__)
+        module.__dict__[name].__module__ = "dill._dill"
+    return module
+
+
+@pytest.fixture
+def dill(monkeypatch):
+    """The module, importable while the test writes its pickle."""
+    module = dill_module()
+    monkeypatch.setitem(sys.modules, "dill", types.ModuleType("dill"))
+    monkeypatch.setitem(sys.modules, "dill._dill", module)
+    return module
+
+
+def test_dill_reaches_numpy_only(dill):
+    """By dill's functions no module is imported, and nothing but the beginning of arrays is reached."""
+    for module, name in (("os", "system"), ("numpy.core.multiarray", "fromfile"), ("numpyx.core.", "_reconstruct")):
+        home = Dill(dill._import_module, (module,))
+        with pytest.raises((BrokenLog, UnsafeContent), match="not data"):
+            loads(pickle.dumps(Dill(dill._get_attr, (home, name))), "x")
+    for state in ((os.getcwd, (), None), (collections.OrderedDict, (), None)):
+        with pytest.raises((BrokenLog, UnsafeContent)):
+            loads(pickle.dumps(Dill(dill._create_array, state)), "x")
+    # a whole array comes through
+    begin, given, state = np.arange(6.0).reshape(2, 3).__reduce__()
+    back = loads(pickle.dumps(Dill(dill._create_array, (begin, given, state, None))), "x")
+    np.testing.assert_array_equal(back, np.arange(6.0).reshape(2, 3))
+
+
+def test_only_named_packages_are_passed_over(tmp_path):
+    """Objects of a package are passed over where a caller names it; any other is refused as ever."""
+    path = tmp_path / "a.pkl"
+    path.write_bytes(pickle.dumps({"kept": np.arange(3), "left": fractions.Fraction(1, 2), "last": 7}))
+    with pytest.raises(UnsafeContent, match="fractions"):
+        load_pickle(path)
+    back = load_pickle(path, unread=frozenset({"fractions"}))
+    assert back["kept"].tolist() == [0, 1, 2]
+    assert isinstance(back["left"], UnreadObject)
+    assert back["last"] == 7
+    path.write_bytes(pickle.dumps([fractions.Fraction(1, 2), Evil(os.system, "true")]))
+    with pytest.raises(UnsafeContent, match="system"):
+        load_pickle(path, unread=frozenset({"fractions"}))
