@@ -20,7 +20,7 @@ from tactiledata.diagnose.naming.evidence import ScoredCandidate
 from tactiledata.diagnose.naming.held_out import held_out
 from tactiledata.diagnose.naming.identifiability import Identifiability, identifiability_of
 from tactiledata.diagnose.naming.intervals import ProfiledInterval, intervals
-from tactiledata.diagnose.naming.joint_fit import JointFit, plain_fit, settled_plain_fit
+from tactiledata.diagnose.naming.joint_fit import JointFit, joint_fit, plain_fit
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.naming.own_error_sizes import OddTouch, odd_touches, with_estimated_own_sizes
 from tactiledata.diagnose.naming.refit import Refits
@@ -173,7 +173,7 @@ def _with_smaller_errors(first: _Tried, names: Sequence[str]) -> _Tried:
         replace(
             refits,
             whitened=whitened,
-            base=settled_plain_fit(whitened, with_errors_of(base.model, refits.whitened, whitened)),
+            base=joint_fit(whitened, with_errors_of(base.model, refits.whitened, whitened)),
             reference=held_out(refits.whitened, base, refits.options.seed),
             size_penalty=size_penalty(refits.whitened, base, whitened),
         ),

@@ -10,7 +10,7 @@ import numpy as np
 from tactiledata.diagnose.naming.decide import Decision, decide
 from tactiledata.diagnose.naming.evidence import ScoredCandidate, range_checks, score_candidate
 from tactiledata.diagnose.naming.held_out import GroupedCosts, held_out
-from tactiledata.diagnose.naming.joint_fit import BEHIND, JointFit, first_fit, settled_fits
+from tactiledata.diagnose.naming.joint_fit import JointFit, joint_fit
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.naming.parameters import joint_model
 from tactiledata.diagnose.naming.remaining_structure import RemainingStructure
@@ -67,9 +67,9 @@ class Refits:
         for effect in promising:
             self.progress(f"refit {effect.effect}")
             to_beat = _cost_to_beat(fits)
-            tried = [self._first_fit(self.base, start, effect.strengths, to_beat) for start in effect.starts]
+            tried = [self._fit(self.base, start, effect.strengths, to_beat) for start in effect.starts]
             found = min(filter(None, tried), key=lambda fit: fit.cost, default=None)
-            fits += filter(None, [self._settled(found, to_beat)])
+            fits += filter(None, [found])
         return fits
 
     def pairs(self, screened: Sequence[Screened], singles: Sequence[JointFit]) -> list[JointFit]:
@@ -102,8 +102,7 @@ class Refits:
             self.progress(f"refit {' with '.join(names)}")
             strengths = frozenset().union(*(kept[name] for name in names))
             to_beat = _cost_to_beat(fits)
-            fit = self._first_fit(first, start, strengths, to_beat)
-            fits += filter(None, [self._settled(fit, to_beat)])
+            fits += filter(None, [self._fit(first, start, strengths, to_beat)])
         return fits
 
     def score_and_decide(
@@ -168,12 +167,11 @@ class Refits:
                 if name == named or other.score < least:
                     continue
                 strengths = model.strengths | other.strengths
-                fit = self._first_fit(alone, (*model.settings, *other.starts[0]), strengths, pair.cost)
-                settled = self._settled(fit, pair.cost)
-                fits += [(kept, settled)] if settled is not None else []
+                fit = self._fit(alone, (*model.settings, *other.starts[0]), strengths, pair.cost)
+                fits += [(kept, fit)] if fit is not None else []
         return fits
 
-    def _first_fit(
+    def _fit(
         self, near: JointFit, start: Sequence[EffectSetting], kept: frozenset[Strength], to_beat: float = np.inf
     ) -> JointFit | None:
         """Joint fit from start settings; ``None`` where gel and springs find no balance, as with too strong an effect.
@@ -195,26 +193,7 @@ class Refits:
         of_material_and_effects = model.vector[: 3 + len(model.coordinates)]
         model = model.at(np.concatenate([of_material_and_effects, from_there.errors]), from_there.offsets)
         try:
-            return first_fit(self.whitened, model, to_beat)
-        except UsageError:
-            return None
-
-    def _settled(self, fit: JointFit | None, to_beat: float) -> JointFit | None:
-        """Return the fit with the errors of the simulation about itself; ``None`` where there is no balance.
-
-        Of two fits that do not settle, the one with the higher cost is kept: it gives the effects less evidence.
-
-        Parameters
-        ----------
-        fit : JointFit, optional
-            Where it starts; ``None`` where nothing was found.
-        to_beat : float
-            Cost of another explanation: a fit that is far behind it stays as it is.
-        """
-        if fit is None or fit.cost > to_beat + BEHIND:
-            return fit
-        try:
-            return max(settled_fits(self.whitened, fit), key=lambda either: either.cost)
+            return joint_fit(self.whitened, model, to_beat=to_beat)
         except UsageError:
             return None
 

@@ -14,12 +14,12 @@ from functools import cached_property
 import numpy as np
 
 from tactiledata.arrays import Array, Indices, Mask
+from tactiledata.diagnose.touches.error_wrenches import ErrorFrames
 from tactiledata.diagnose.touches.own_errors import OwnErrors
 from tactiledata.diagnose.touches.simulation_errors import (
     ErrorDirection,
     NumericalErrors,
     error_list,
-    error_wrenches,
 )
 from tactiledata.diagnose.touches.touch_case import TouchSet
 from tactiledata.effects.simulate.setting import EffectSetting
@@ -249,15 +249,28 @@ class WhitenedTouches:
         settings : sequence of EffectSetting
             Effects of the simulation.
         """
-        return error_wrenches(
-            self.errors,
-            np.nan_to_num(self.touch_set.play(material, settings, offsets)),
-            np.concatenate([case.touch.poses for case in self.touch_set.touches]),
-            material.friction,
-            self.indenter_names,
-            self.indenter[self.trajectory],
-            self.starts,
-        )
+        simulated = self.touch_set.play(material, settings, offsets)
+        return self.error_frames.wrenches(simulated, material.friction)
+
+    def erred(self, simulated: Array, friction: float, errors: Array) -> Array:
+        """Return simulated wrenches (N, 6), N and N m, with the simulation's own errors; as they are without any.
+
+        Parameters
+        ----------
+        simulated : (N, 6) N, N m
+            Simulated wrenches.
+        friction : float
+            Friction coefficient of the gel.
+        errors : (e,)
+            Errors in their standard deviations, in the order of `simulation_errors`; empty where there are none.
+        """
+        return self.error_frames.erred(simulated, friction, errors) if len(errors) else simulated
+
+    @cached_property
+    def error_frames(self) -> ErrorFrames:
+        """The frames, at which the simulation errs."""
+        poses = np.concatenate([case.touch.poses for case in self.touch_set.touches])
+        return ErrorFrames(self.errors, poses, self.indenter_names, self.indenter[self.trajectory], self.starts)
 
     @property
     def indenter_names(self) -> list[str]:
