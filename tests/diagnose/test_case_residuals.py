@@ -27,8 +27,7 @@ pytestmark = pytest.mark.slow
 
 def plain_fit(cases):
     white = WhitenedTouches.of(cases)
-    numerical = white.simulation_error_fields(START)
-    return white, joint_fit(white, numerical, joint_model(START, [], len(cases.touches), numerical.shape[2]))
+    return white, joint_fit(white, joint_model(START, [], len(cases.touches), len(white.simulation_errors)))
 
 
 def located(world, trajectories=32, seed=0, draws=499):

@@ -115,7 +115,8 @@ def decide(
     best = next((single for single in ranked if not single.objections(thresholds)), None)
     if best is not None:
         behind = ranked[0].beyond(thresholds) - best.beyond(thresholds)
-        best = None if behind > thresholds.tie_margin(ranked[0].evidence) else best
+        margin = thresholds.tie_margin(ranked[0].evidence, (*ranked[0].names, *best.names))
+        best = None if behind > margin else best
     # a pair replaces it where both of its effects are needed
     needed = [needed_of(pair, singles, thresholds) for pair in pairs if not pair.objections(thresholds)]
     best = max((*([best] if best is not None else []), *needed), key=_evidence, default=None)
@@ -246,7 +247,7 @@ def _probabilities(
     ]
     candidates = [*singles, *pairs]
     shares = thresholds.shares(
-        np.array([candidate.beyond(thresholds) for candidate in candidates]),
+        np.array([one.beyond(thresholds) / thresholds.growth(one.names) for one in candidates]),
         np.array(objected, dtype=bool),
         is_left,
     )

@@ -17,6 +17,7 @@ from tactiledata.diagnose.naming.remaining_structure import RemainingStructure
 from tactiledata.diagnose.naming.screen import Screened, screen
 from tactiledata.diagnose.naming.signatures import effect_signatures
 from tactiledata.diagnose.naming.strength import Strength
+from tactiledata.diagnose.naming.thresholds import DecisionThresholds
 from tactiledata.diagnose.naming.ties import ties_of_two
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.effects.simulate.setting import EffectSetting
@@ -55,6 +56,11 @@ class Refits:
     reference: GroupedCosts | None = None
     size_penalty: float = 0.0
 
+    @property
+    def thresholds(self) -> DecisionThresholds:
+        """The thresholds for these trajectories."""
+        return self.options.thresholds.for_data(len(self.whitened.starts), self.whitened.precision)
+
     def singles(self, screened: Sequence[Screened]) -> list[JointFit]:
         """Return a refit of each promising effect, the best of its starts; effects without any balance are left out.
 
@@ -88,7 +94,7 @@ class Refits:
             model = first.model
             signatures = effect_signatures(self.whitened, model.material, others, model.settings, model.offsets)
             for second in screen(first.metric, first.residual_at_centre, signatures):
-                if second.evidence < self.options.thresholds.claim(second.effect):
+                if second.evidence < self.thresholds.claim(second.effect):
                     continue
                 key = frozenset([first.names[0], second.effect])
                 cost = first.cost - second.score
@@ -114,7 +120,7 @@ class Refits:
         the dispersion that the best fit leaves there. Where a pair is named, refits in which another effect replaces
         one of the two are scored as well: those that explain the data as well become ties.
         """
-        seed, thresholds = self.options.seed, self.options.thresholds
+        seed, thresholds = self.options.seed, self.thresholds
         # held-out squares of every fit, and the dispersion that the best one leaves
         self.progress("held-out trajectories and indenters")
         base_out = self.reference or held_out(self.whitened, self.base, seed)
@@ -125,9 +131,8 @@ class Refits:
         dispersion = max(1.0, left.dispersion)
 
         def score_of(fit: JointFit, out: GroupedCosts) -> ScoredCandidate:
-            counted = thresholds.counted(len(self.whitened.starts), self.whitened.precision)
-            scored = score_candidate(self.base, fit, base_out, out, float(expected.sum()), dispersion, counted)
-            return with_penalty(scored, counted * self.size_penalty / dispersion)
+            scored = score_candidate(self.base, fit, base_out, out, float(expected.sum()), dispersion)
+            return with_penalty(scored, self.size_penalty / dispersion)
 
         # scores and decision
         scored = [score_of(fit, out) for fit, out in zip((*singles, *pairs), outs, strict=True)]

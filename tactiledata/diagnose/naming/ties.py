@@ -70,7 +70,8 @@ def ties_of_one(
         for other in ranked
         if other.label != best.label
         and not other.implausible
-        and best.beyond(thresholds) - other.beyond(thresholds) <= thresholds.tie_margin(best.evidence)
+        and best.beyond(thresholds) - other.beyond(thresholds)
+        <= thresholds.tie_margin(best.evidence, (*best.names, *other.names))
     ]
     if not others:
         return ()
@@ -108,7 +109,8 @@ def ties_of_two(
     ties = []
     for kept, substitute in substitutes:
         apart = best.gains - substitute.gains
-        is_beaten = best.evidence - substitute.evidence > thresholds.tie_margin(best.evidence - kept.evidence)
+        margin = thresholds.tie_margin(best.evidence - kept.evidence, (*best.names, *substitute.names))
+        is_beaten = best.evidence - substitute.evidence > margin
         cosine_possible = best_imitation(kept.fit.metric, best.fit.effect_change, substitute.fit.effect_fields)
         is_needless = _is_needlessly_wide(substitute, best, cosine_possible, thresholds)
         if substitute.objections(thresholds) or is_beaten or is_needless:
@@ -130,4 +132,5 @@ def _is_needlessly_wide(
         Cosine of what the best changes with the nearest change that the other could make.
     """
     is_wider = cosine_possible > thresholds.tie and len(other.fit.model.coordinates) > len(best.fit.model.coordinates)
-    return is_wider and best.evidence - other.evidence > thresholds.special_case_evidence
+    least = thresholds.special_case_evidence * thresholds.growth((*best.names, *other.names))
+    return is_wider and best.evidence - other.evidence > least

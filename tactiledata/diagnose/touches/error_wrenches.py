@@ -1,4 +1,4 @@
-"""Errors of simulated wrenches as wrenches: the directions of `simulation_errors` at the frames of given trajectories."""
+"""Errors of simulated wrenches, as wrenches: the directions of `simulation_errors` at the frames of trajectories."""
 
 from __future__ import annotations
 
