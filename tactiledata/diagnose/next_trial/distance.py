@@ -91,7 +91,7 @@ class TrialRows:
     white : WhitenedTouches
         The trial's touches.
     columns : (e,) int
-        Place of each of the trial's e errors of the simulation among those of the recorded data; indenters that were not
+        Place of each of the trial's errors of the simulation among those of the recorded data; indenters that were not
         recorded follow after these.
     errors, recorded : int
         Number of errors of the simulation in all, and in the recorded data.

@@ -15,6 +15,7 @@ from tactiledata.diagnose.naming.name_effects import name_effects
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.naming.parameters import joint_model
 from tactiledata.diagnose.naming.signatures import effect_signatures, nuisance
+from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
 from tactiledata.diagnose.touches.simulation_errors import NumericalErrors
 from tactiledata.diagnose.touches.touch_case import TouchSet
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
@@ -131,9 +132,8 @@ def test_the_joint_fit_returns_what_the_same_simulator_played(quiet):
 def test_gain_along_z_is_hidden_and_a_turned_frame_is_not(quiet):
     """E takes a gain of z; nothing takes a turn of the frame; a turn and its cross-talk are near one another."""
     white = WhitenedTouches.of(quiet)
-    known = identifiability_of(
-        nuisance(white, START), effect_signatures(white, START, ("gain_crosstalk", "frame_rotation", "thickness"))
-    )
+    signatures = effect_signatures(white, START, ("gain_crosstalk", "frame_rotation", "thickness"))
+    known = identifiability_of(nuisance(white, START), signatures, DEFAULT_THRESHOLDS)
     hidden = dict(zip(zip(known.effects, known.strengths, strict=True), known.concealment, strict=True))
     assert hidden["gain_crosstalk", "zz"] > 0.9
     assert hidden["thickness", "error"] > 0.9
