@@ -23,7 +23,7 @@ from tactiledata.diagnose.naming.evidence import ScoredCandidate
 from tactiledata.diagnose.naming.metric import RandomEffects
 from tactiledata.diagnose.naming.remaining_structure import RemainingStructure
 from tactiledata.diagnose.naming.thresholds import DecisionThresholds
-from tactiledata.diagnose.naming.ties import Tie, ties_of_one
+from tactiledata.diagnose.naming.ties import Tie, special_case_of, ties_of_one
 from tactiledata.diagnose.verdict import Verdict
 from tactiledata.effects import EFFECTS
 
@@ -116,7 +116,7 @@ def decide(
     if best is not None:
         behind = ranked[0].beyond(thresholds) - best.beyond(thresholds)
         margin = thresholds.tie_margin(ranked[0].evidence, (*ranked[0].names, *best.names))
-        best = None if behind > margin else best
+        best = None if behind > margin else special_case_of(best, ranked, metric, thresholds)
     # a pair replaces it where both of its effects are needed
     needed = [needed_of(pair, singles, thresholds) for pair in pairs if not pair.objections(thresholds)]
     best = max((*([best] if best is not None else []), *needed), key=_evidence, default=None)

@@ -39,6 +39,36 @@ class Tie:
     error: float
 
 
+def special_case_of(
+    best: ScoredCandidate, ranked: Sequence[ScoredCandidate], metric: RandomEffects, thresholds: DecisionThresholds
+) -> ScoredCandidate:
+    """Return the special case of the best single effect that explains the data about as well; else the best one.
+
+    A special case has fewer numbers, and what it changes the best effect could change as well (cosine above ``tie``).
+    Errors of the simulation only ever speak for the wider effect, so that a lead within ``tie_margin`` is no reason
+    for it.
+
+    Parameters
+    ----------
+    best : ScoredCandidate
+        The single effect without objections that has most evidence beyond what it needs.
+    ranked : sequence of ScoredCandidate
+        All single effects, in the order of their evidence beyond what they need.
+    metric : RandomEffects
+        Metric of the plain fit.
+    thresholds : DecisionThresholds
+        What a claim needs.
+    """
+    for one in ranked:
+        margin = thresholds.tie_margin(best.evidence, (*best.names, *one.names))
+        if best.beyond(thresholds) - one.beyond(thresholds) > margin or one.objections(thresholds):
+            continue
+        is_narrower = len(one.fit.model.coordinates) < len(best.fit.model.coordinates)
+        if is_narrower and best_imitation(metric, one.fit.effect_change, best.fit.effect_fields) > thresholds.tie:
+            return one
+    return best
+
+
 def ties_of_one(
     best: ScoredCandidate,
     ranked: Sequence[ScoredCandidate],

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from candidates import (
     EASY,
+    EVERYTHING,
     HARD,
     IN_FEW,
     MORE_THAN_NOISE,
@@ -216,6 +217,24 @@ def test_a_special_case_is_said_in_place_of_the_wider_one():
     for numbers, behind, ties in ((10, clearly, 0), (3, clearly, 1), (10, 0.9 * T.special_case_evidence, 1)):
         wider = with_evidence("gain_crosstalk", MUCH - behind, numbers=numbers)
         assert len(decided([special, wider]).ties) == ties
+
+
+def test_a_special_case_is_named_where_the_wider_one_explains_hardly_more():
+    """Ten numbers within the margin of a tie are no reason against three; beyond it, or of another change, they are."""
+    margin = T.tie_margin(MUCH, ())
+    wider = with_evidence("gain_crosstalk", MUCH, numbers=10)
+    for behind, change, numbers, named in (
+        (0.9, EVERYTHING, 3, "frame_rotation"),
+        (1.1, EVERYTHING, 3, "gain_crosstalk"),
+        (0.9, along(0), 3, "gain_crosstalk"),
+        (0.9, EVERYTHING, 10, "gain_crosstalk"),
+    ):
+        special = with_evidence("frame_rotation", MUCH - behind * margin, change=change, numbers=numbers)
+        assert decided([wider, special]).claimed == (named,)
+    special = with_evidence("frame_rotation", MUCH - 0.9 * margin, numbers=3)
+    assert tie_names(decided([wider, special])) == ["gain_crosstalk"]
+    implausible = with_evidence("frame_rotation", MUCH - 0.1 * margin, numbers=3, implausible=("yaw = 3 rad",))
+    assert decided([wider, implausible]).claimed == ("gain_crosstalk",)
 
 
 def crowd(name, others, share):
