@@ -139,7 +139,7 @@ def decide(
         reason = f"{len(crowd)} other effects explain nearly as much: these data do not say which it is"
         return Decision(Verdict.NOT_EXPLAINED, best, (), chances, (reason,), left, True)
     # no name where the data show more of an effect that cannot be claimed
-    outweighing = None if best is None or len(best.names) > 1 else _outweighing(best, ranked, thresholds)
+    outweighing = None if best is None else _outweighing(best, ranked, thresholds)
     if best is not None and outweighing is not None:
         reason = (
             f"the evidence of {outweighing.label} is {outweighing.evidence:.0f}, that of {best.label}"
@@ -214,24 +214,21 @@ def _crowd(
 def _outweighing(
     best: ScoredCandidate, ranked: Sequence[ScoredCandidate], thresholds: DecisionThresholds
 ) -> ScoredCandidate | None:
-    """Return the single effect that takes the best one's name away, if any.
+    """Return the single effect that takes the name of the best one, or of two, away, if any.
 
     It has ``outweighed`` times the evidence, cannot be claimed, and acts in the same slot; or it is any such effect
     where errors of the simulation resemble the best one. Of several, the one with most evidence is returned.
     """
+    slots = {str(EFFECTS[name].slot) for name in best.names}
     more = [
         one
         for one in ranked
         if one.evidence > thresholds.outweighed * best.evidence
         and one.objections(thresholds)
-        and (thresholds.is_resembled(best.names) or _slot(one) == _slot(best))
+        and not set(one.names) & set(best.names)
+        and (thresholds.is_resembled(best.names) or EFFECTS[one.names[0]].slot in slots)
     ]
     return max(more, key=_evidence, default=None)
-
-
-def _slot(single: ScoredCandidate) -> str:
-    """Return the slot in which a single effect acts."""
-    return str(EFFECTS[single.names[0]].slot)
 
 
 def _probabilities(
