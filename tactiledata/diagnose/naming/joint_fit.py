@@ -26,6 +26,8 @@ STILL = 0.05
 """A fit ends when a round lowers the cost by less than this. With 0.25, slow fits would end far from their minimum."""
 MOST_DAMPING = 1e2
 """Relative damping of the normal equations at which a fit gives up looking for a step that lowers the cost."""
+SHORTER = (0.3, 0.1, 0.03)
+"""Shares of a step that are tried where the whole step raises the cost, before the damping grows."""
 HALVINGS = 3
 """Largest number of times that the motion of contact offsets is halved before the whole step is damped."""
 BEHIND = 100.0
@@ -240,7 +242,25 @@ def _better(
             after = work.evaluate_or_none(tried)
         if after is not None and after.cost <= state.cost:
             return tried, after, max(damping / 10.0, 1e-6)
+        shorter = _shorter(work, model, state, tried)
+        if shorter is not None:
+            return *shorter, damping
         damping *= 10.0
+    return None
+
+
+def _shorter(
+    work: Linearised, model: JointModel, state: Evaluation, tried: JointModel
+) -> tuple[JointModel, Evaluation] | None:
+    """A model on the way to a step that raises the cost, at which the cost is lower; ``None`` where there is none."""
+    for share in SHORTER:
+        between = model.at(
+            model.vector + share * (tried.vector - model.vector),
+            model.offsets + share * (tried.offsets - model.offsets),
+        )
+        after = work.evaluate_or_none(between)
+        if after is not None and after.cost < state.cost - STILL:
+            return between, after
     return None
 
 

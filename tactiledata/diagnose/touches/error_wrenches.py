@@ -13,10 +13,11 @@ from tactiledata.diagnose.residuals.history import largest_so_far
 from tactiledata.diagnose.touches.played_columns import moved_wrench, wrench_at_height
 from tactiledata.diagnose.touches.simulation_errors import KINDS, NumericalErrors, error_list
 
-SLIDING = (0.9, 1.0)
+SLIDING = (0.5, 1.0)
 """Shares of the friction limit between which shear turns from sticking to sliding.
 
-The turn is gradual: with a sharp one the errors would jump where a frame is near the limit."""
+The turn is gradual, as a contact slips at its edge long before it slides. With a sharp one, errors would jump where an
+effect lowers friction a little, and fits would not find to their end."""
 LARGEST_GROWTH = 2.5
 """Largest logarithm of a force over its typical one at which the growth of force is still counted."""
 
