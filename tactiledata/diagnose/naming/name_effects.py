@@ -169,7 +169,7 @@ def _with_smaller_errors(first: _Tried, names: Sequence[str]) -> _Tried:
     taken to be larger hide the missing physics.
     """
     refits, best = first.refits, first.best
-    if best is None or first.evidence(best) < refits.thresholds.for_traces.needed(best.names):
+    if best is None or first.evidence(best) < refits.options.thresholds.for_traces.needed(best.names):
         return first
     whitened = with_estimated_own_sizes(with_estimated_sizes(refits.whitened, best), best)
     if smallest_ratio(refits.whitened, whitened) >= SMALLER:
