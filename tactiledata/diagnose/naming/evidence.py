@@ -182,8 +182,9 @@ class ScoredCandidate:
 
         There are nine: too little evidence; evidence from two trajectories; an uncertain gain; a larger error on
         indenters that were held out; too little of the excess gone on data that were not fitted; trajectories that do
-        not agree; a signature that the refit has not removed; nu at an end of its range beside an effect that errors of
-        the simulation resemble; and strengths that are not plausible.
+        not agree; a signature that the refit has not removed; less than ``at_bound`` times the needed evidence where nu
+        stands at an end of its range beside an effect that errors of the simulation resemble; and strengths that are
+        not plausible.
         """
         needed, reasons = thresholds.needed(self.names), []
         if self.evidence < needed:
@@ -211,10 +212,11 @@ class ScoredCandidate:
             reasons.append(f"the trajectories do not agree on the effect ({self.signature_before:.1f} standard errors)")
         if abs(self.signature_after) > max(thresholds.signature_threshold, 0.5 * self.signature_before):
             reasons.append("the residual still holds the change that the effect should remove")
-        if POISSON_RATIO in self.at_bounds and thresholds.is_resembled(self.names):
+        at_bound = thresholds.at_bound * needed
+        if POISSON_RATIO in self.at_bounds and thresholds.is_resembled(self.names) and self.evidence < at_bound:
             reasons.append(
-                f"{POISSON_RATIO} stands at an end of the range that was tried: with the effect or without, the"
-                " simulation follows these data with no plausible gel"
+                f"{POISSON_RATIO} stands at an end of the range that was tried, where errors of the simulation can bring"
+                f" up to {at_bound:.0f}"
             )
         return (*reasons, *(f"{name} is not plausible" for name in self.implausible))
 

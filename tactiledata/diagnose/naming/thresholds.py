@@ -66,6 +66,9 @@ class DecisionThresholds:
         The same number for effects that errors of the simulation do not resemble.
     data : float
         Number of trajectories times their precision, t q; 0 before `for_data`.
+    at_bound : float
+        Multiple of the needed evidence that an effect needs which errors of the simulation resemble, where nu stands at
+        an end of its range: the simulation follows these data with no plausible gel, and errs more than elsewhere.
     broad_share : float
         Share of the needed evidence that must remain without the two trajectories that contribute most.
     gain_sigmas : float
@@ -131,6 +134,7 @@ class DecisionThresholds:
     saturation: float = 100.0
     usual_saturation: float = 1000.0
     data: float = 0.0
+    at_bound: float = 2.0
     broad_share: float = 0.5
     gain_sigmas: float = 2.0
     certain_signature: float = 4.0

@@ -274,12 +274,24 @@ def test_more_evidence_for_what_cannot_be_claimed_takes_a_name_away(best, is_tak
 
 
 def test_an_effect_that_errors_resemble_needs_a_plausible_gel():
-    """Such an effect is not named with nu at an end of its range; E and mu may stand there, nu beside other effects."""
+    """It needs twice the evidence with nu at an end of its range; E and mu may stand there, nu beside other effects."""
     for at_bounds, is_named in ((("nu",), False), (("mu",), True), (("E",), True), ((f"{HARD} time",), True)):
-        found = decided([candidate(HARD, 2.0, at_bounds=at_bounds)])
+        found = decided([candidate(HARD, 0.95 * T.at_bound, at_bounds=at_bounds)])
         assert found.claimed == ((HARD,) if is_named else ())
-    assert "nu stands at an end" in candidate(HARD, 2.0, at_bounds=("nu",)).objections(T)[0]
-    assert decided([candidate(EASY, 2.0, at_bounds=("nu", "mu"))]).claimed == (EASY,)
+    assert "nu stands at an end" in candidate(HARD, 0.95 * T.at_bound, at_bounds=("nu",)).objections(T)[0]
+    assert decided([candidate(HARD, 1.05 * T.at_bound, at_bounds=("nu",))]).claimed == (HARD,)
+    assert decided([candidate(EASY, 1.1, at_bounds=("nu", "mu"))]).claimed == (EASY,)
+
+
+def test_a_name_of_two_is_taken_away_as_one_is():
+    """Two effects of which errors resemble one are not named beside far more of a third that cannot be claimed."""
+    alone = [with_evidence(name, MUCH, change=along(k), signature_before=0.0) for k, name in enumerate((HARD, EASY))]
+    pair = with_evidence((HARD, EASY), 4.0 * MUCH)
+    for times, named in ((0.9, (HARD, EASY)), (1.1, ())):
+        third = with_evidence(
+            "stem_bending", times * T.outweighed * pair.evidence, change=along(3), implausible=("x = 1 m",)
+        )
+        assert set(decided([*alone, third], [pair]).claimed) == set(named)
 
 
 def pair_beside(first, second, adds):
