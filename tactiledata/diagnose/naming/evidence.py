@@ -215,8 +215,8 @@ class ScoredCandidate:
         at_bound = thresholds.at_bound * needed
         if POISSON_RATIO in self.at_bounds and thresholds.is_resembled(self.names) and self.evidence < at_bound:
             reasons.append(
-                f"{POISSON_RATIO} stands at an end of the range that was tried, where errors of the simulation can bring"
-                f" up to {at_bound:.0f}"
+                f"{POISSON_RATIO} stands at an end of the range that was tried, where errors of the simulation bring up"
+                f" to {at_bound:.0f}"
             )
         return (*reasons, *(f"{name} is not plausible" for name in self.implausible))
 

@@ -98,7 +98,7 @@ class Linearised:
             Gel and springs find no balance.
         """
         predicted = self.whitened.touch_set.played(model.material, model.settings, model.offsets)
-        erred = self.whitened.erred(predicted.wrench, model.material.friction, model.errors)
+        erred = self.whitened.erred(predicted, model.errors)
         residual = self.whitened.residual(erred)
         off = model.vector - self.centre(model)
         priors = self.precision(model) @ off**2 + ((model.offsets / PRIOR) ** 2).sum()
@@ -130,13 +130,13 @@ class Linearised:
             there[entry] += step
             moved = model.at(there, offsets)
             setting = moved.settings[model.coordinates[entry - 3].setting_index]
-            changed = self.whitened.touch_set.play_where(
+            changed = self.whitened.touch_set.simulate_where(
                 setting, state.predicted, moved.material, moved.settings, offsets
             )
-            erred = self.whitened.erred(changed, moved.material.friction, errors)
+            erred = self.whitened.erred(changed, errors)
             fields.append(self.whitened.whiten(erred - state.erred)[:, :, None] / step)
         if len(errors):
-            wrenches = self.whitened.error_frames.wrenches(state.predicted.wrench, model.material.friction)
+            wrenches = self.whitened.error_frames.wrenches(state.predicted.wrench, state.predicted.friction)
             fields.append(self.whitened.whiten(wrenches))
         return Sensitivities(np.concatenate([gel, *fields], axis=2), own)
 

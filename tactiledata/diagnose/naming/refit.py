@@ -23,6 +23,8 @@ from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.effects.simulate.setting import EffectSetting
 from tactiledata.errors import UsageError
 
+WEAK = 0.05
+"""Share of the screen's strengths from which a refit starts that did not end below the plain fit."""
 COMPARABLE = 0.8
 """Another effect is tried in place of a named one if its score is at least this share of the named one's."""
 
@@ -75,6 +77,11 @@ class Refits:
             to_beat = _cost_to_beat(fits)
             tried = [self._fit(self.base, start, effect.strengths, to_beat) for start in effect.starts]
             found = min(filter(None, tried), key=lambda fit: fit.cost, default=None)
+            if found is not None and found.cost > self.base.cost:
+                # the plain fit is a special case that costs less: a fit from near it does not end above it
+                weak = [setting.weakened(WEAK) for setting in effect.starts[0]]
+                nearer = self._fit(self.base, weak, effect.strengths)
+                found = found if nearer is None else min(found, nearer, key=lambda fit: fit.cost)
             fits += filter(None, [found])
         return fits
 

@@ -256,12 +256,12 @@ def _change(
     """Change of the wrench (N, 6) by the last setting; without contact offsets where there is no balance with them."""
     last = settings[-1]
     try:
-        return whitened.touch_set.play_where(last, before, material, settings, offsets) - before.wrench
+        return whitened.touch_set.simulate_where(last, before, material, settings, offsets).wrench - before.wrench
     except UsageError:
         if offsets is None:
             raise
         without = whitened.touch_set.played(material, settings[:-1])
-        return whitened.touch_set.play_where(last, without, material, settings) - without.wrench
+        return whitened.touch_set.simulate_where(last, without, material, settings).wrench - without.wrench
 
 
 def material_steps(bounds: Bounds) -> Array:
@@ -295,7 +295,7 @@ def material_fields(
         Errors of the simulation, which are shares of the wrenches; empty where there are none.
     """
     bounds = find_bounds("wide")
-    erred = whitened.erred(before.wrench, material.friction, errors)
+    erred = whitened.erred(before, errors)
     steps = material_steps(bounds)
     here = np.array([np.log(material.youngs_modulus), material.poisson_ratio, material.friction])
     fields = []
@@ -305,7 +305,7 @@ def material_fields(
         there = here.copy()
         there[entry] += inward
         moved = GelMaterial(float(np.exp(there[0])), float(there[1]), float(there[2]))
-        changed = whitened.erred(whitened.touch_set.play(moved, settings, offsets, before), moved.friction, errors)
+        changed = whitened.erred(whitened.touch_set.simulate(moved, settings, offsets, before), errors)
         fields.append(whitened.whiten(changed - erred) / inward)
     return np.stack(fields, axis=2)
 
@@ -335,9 +335,8 @@ def own_field(
     errors : (e,)
         Errors of the simulation; empty where there are none.
     """
-    moved = whitened.touch_set.play(material, settings, offsets + OWN_STEP, before)
-    moved, there = (whitened.erred(one, material.friction, errors) for one in (moved, before.wrench))
-    return whitened.whiten(moved - there) * (PRIOR / OWN_STEP)
+    moved = whitened.touch_set.simulate(material, settings, offsets + OWN_STEP, before)
+    return whitened.whiten(whitened.erred(moved, errors) - whitened.erred(before, errors)) * (PRIOR / OWN_STEP)
 
 
 def material_precision() -> Array:

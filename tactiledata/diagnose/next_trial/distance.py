@@ -123,8 +123,8 @@ class TrialRows:
 
     def residual(self, model: JointModel) -> Array:
         """Return the whitened residual (n, 6) of a model against the wrenches of the plain simulation."""
-        predicted = self.white.touch_set.play(model.material, model.settings, model.offsets)
-        return self.white.residual(self.white.erred(predicted, model.material.friction, model.errors))
+        predicted = self.white.touch_set.simulate(model.material, model.settings, model.offsets)
+        return self.white.residual(self.white.erred(predicted, model.errors))
 
     def vector(self, fit: JointFit) -> Array:
         """Return a fit's numbers, with zeros for errors of the simulation that only the trial has."""

@@ -13,11 +13,10 @@ from tactiledata.diagnose.residuals.history import largest_so_far
 from tactiledata.diagnose.touches.played_columns import moved_wrench, wrench_at_height
 from tactiledata.diagnose.touches.simulation_errors import KINDS, NumericalErrors, error_list
 
-SLIDING = (0.5, 1.0)
+SLIDING = (0.9, 1.0)
 """Shares of the friction limit between which shear turns from sticking to sliding.
 
-The turn is gradual, as a contact slips at its edge long before it slides. With a sharp one, errors would jump where an
-effect lowers friction a little, and fits would not find to their end."""
+The turn is gradual: with a sharp one the errors would jump where a frame is near the limit."""
 LARGEST_GROWTH = 2.5
 """Largest logarithm of a force over its typical one at which the growth of force is still counted."""
 
@@ -46,15 +45,15 @@ class ErrorFrames:
     owner: Indices
     starts: Indices
 
-    def wrenches(self, simulated: Array, friction: float) -> Array:
+    def wrenches(self, simulated: Array, friction: Array) -> Array:
         """Return the errors as wrenches (N, 6, e), N and N m, one standard deviation each, as in `error_list`.
 
         Parameters
         ----------
         simulated : (N, 6) N, N m
             Simulated wrenches; components that are not finite count as 0.
-        friction : float
-            Friction coefficient of the gel.
+        friction : (N,)
+            Friction coefficient, effects on it included: what lowers friction does not turn sliding into sticking.
         """
         of_each, of_all = self._directions(simulated, friction)
         rows, kinds = np.arange(len(simulated)), of_each.shape[2]
@@ -63,7 +62,7 @@ class ErrorFrames:
         fields = np.concatenate([own.reshape(len(simulated), 6, -1), of_all], axis=2)
         return fields * self._deviations
 
-    def erred(self, simulated: Array, friction: float, errors: Array) -> Array:
+    def erred(self, simulated: Array, friction: Array, errors: Array) -> Array:
         """Return simulated wrenches (N, 6), N and N m, with errors (e,) in standard deviations.
 
         Parameters
@@ -92,7 +91,7 @@ class ErrorFrames:
         lengths = np.maximum(np.linalg.norm(ways, axis=2, keepdims=True), 1e-9)
         return np.asarray(ways / lengths)
 
-    def _directions(self, simulated: Array, friction: float) -> tuple[Array, Array]:
+    def _directions(self, simulated: Array, friction: Array) -> tuple[Array, Array]:
         """Return changes by errors of size 1: of each row's own indenter (N, 6, k), and common ones (N, 6, c)."""
         simulated = np.nan_to_num(simulated)
         load, poses = simulated[:, 2], np.nan_to_num(self.poses)

@@ -21,7 +21,7 @@ from tactiledata.diagnose.touches.simulation_errors import (
     NumericalErrors,
     error_list,
 )
-from tactiledata.diagnose.touches.touch_case import TouchSet
+from tactiledata.diagnose.touches.touch_case import Played, Simulated, TouchSet
 from tactiledata.effects.simulate.setting import EffectSetting
 from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.nuisance.low_rank import low_rank_core, low_rank_power, low_rank_product
@@ -249,22 +249,20 @@ class WhitenedTouches:
         settings : sequence of EffectSetting
             Effects of the simulation.
         """
-        simulated = self.touch_set.play(material, settings, offsets)
-        return self.error_frames.wrenches(simulated, material.friction)
+        return self.error_frames.wrenches(*self.touch_set.simulate(material, settings, offsets))
 
-    def erred(self, simulated: Array, friction: float, errors: Array) -> Array:
+    def erred(self, simulated: Simulated | Played, errors: Array) -> Array:
         """Return simulated wrenches (N, 6), N and N m, with the simulation's own errors; as they are without any.
 
         Parameters
         ----------
-        simulated : (N, 6) N, N m
-            Simulated wrenches.
-        friction : float
-            Friction coefficient of the gel.
+        simulated : Simulated or Played
+            Simulated wrenches, and the friction that they met.
         errors : (e,)
             Errors in their standard deviations, in the order of `simulation_errors`; empty where there are none.
         """
-        return self.error_frames.erred(simulated, friction, errors) if len(errors) else simulated
+        wrench = simulated.wrench
+        return self.error_frames.erred(wrench, simulated.friction, errors) if len(errors) else wrench
 
     @cached_property
     def error_frames(self) -> ErrorFrames:

@@ -41,7 +41,7 @@ def fields(forces=FORCES, names=("ball",), owner=None, errors=ERRORS, starts=(0,
     """Fields (n, 6, e) of forces at the tips."""
     owner = np.zeros(len(forces), dtype=np.int64) if owner is None else np.asarray(owner)
     frames = ErrorFrames(errors, poses(tips, lean), names, owner, np.asarray(starts))
-    return frames.wrenches(at_tips(forces, tips), FRICTION)
+    return frames.wrenches(at_tips(forces, tips), np.full(len(forces), FRICTION))
 
 
 def moved(ways):
@@ -195,12 +195,13 @@ def test_erred_wrenches_are_the_sum_of_all_errors():
     names, owner = ("ball", "bar"), np.repeat([0, 1], 3)
     simulated = at_tips(np.vstack([FORCES, 3.0 * FORCES]), np.vstack([TIPS, TIPS]))
     frames = ErrorFrames(ERRORS, poses(np.vstack([TIPS, TIPS]), np.tile(LEAN, 2)), names, owner, np.array([0, 3]))
-    wrenches = frames.wrenches(simulated, FRICTION)
+    friction = np.full(6, FRICTION)
+    wrenches = frames.wrenches(simulated, friction)
     errors = np.random.default_rng(0).normal(size=wrenches.shape[2])
-    np.testing.assert_allclose(frames.erred(simulated, FRICTION, errors), simulated + wrenches @ errors, atol=1e-12)
+    np.testing.assert_allclose(frames.erred(simulated, friction, errors), simulated + wrenches @ errors, atol=1e-12)
     simulated[:, 5] = np.nan
-    assert np.isnan(frames.erred(simulated, FRICTION, errors)[:, 5]).all()
-    assert np.isfinite(frames.erred(simulated, FRICTION, errors)[:, :5]).all()
+    assert np.isnan(frames.erred(simulated, friction, errors)[:, 5]).all()
+    assert np.isfinite(frames.erred(simulated, friction, errors)[:, :5]).all()
 
 
 @pytest.mark.parametrize("indenter", ["ball", ""])
