@@ -64,20 +64,28 @@ class Considered:
         names = [frozenset(one["effects"]) for one in told]
         judged = [judged_of(one) for one in told]
         singles = [one for one in judged if len(one.names) == 1]
+        thresholds = thresholds_of(case)
         objected = [
-            bool(one.objections(DEFAULT_THRESHOLDS))
-            or (len(one.names) == 2 and needed_of(one, singles, DEFAULT_THRESHOLDS) is not one)
+            bool(one.objections(thresholds)) or (len(one.names) == 2 and needed_of(one, singles, thresholds) is not one)
             for one in judged
         ]
-        needed = [DEFAULT_THRESHOLDS.needed(one["effects"]) for one in told]
-        return Considered(
-            np.array([one["evidence"] for one in told]) - needed, np.array(objected, dtype=bool), _right(case, names),
-            case["at_large"],
-        )  # fmt: skip
+        beyond = np.array([one.beyond(thresholds) / thresholds.growth(one.names) for one in judged])
+        return Considered(beyond, np.array(objected, dtype=bool), _right(case, names), case["at_large"])
 
     def shares(self, scale: DecisionThresholds) -> Array:
         """Probabilities (c + 2,)."""
         return scale.shares(self.beyond, self.is_objected, self.at_large > scale.structure_dispersion)
+
+
+def thresholds_of(case: Case) -> DecisionThresholds:
+    """The thresholds for the data of a case, from what its first candidate needs."""
+    if not case["candidates"]:
+        return DEFAULT_THRESHOLDS
+    one = case["candidates"][0]
+    grown = DEFAULT_THRESHOLDS.for_data(1)
+    # needed evidence is linear in the number of trajectories times their precision
+    at_none, at_one = DEFAULT_THRESHOLDS.needed(one["effects"]), grown.needed(one["effects"])
+    return replace(grown, data=(one["needed"] - at_none) / (at_one - at_none))
 
 
 def _right(case: Case, names: Sequence[frozenset[str]]) -> tuple[int, ...]:

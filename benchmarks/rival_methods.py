@@ -57,7 +57,7 @@ class Case:
         """E, nu, mu, offsets and effects."""
         count = len(self.white.starts)
         model = joint_model(self.start, start, count, 0, kept or None, self.cases.box)
-        return joint_fit(self.white, np.zeros((len(self.white.measured), 6, 0)), model)
+        return joint_fit(self.white, model)
 
     @cached_property
     def base(self) -> JointFit:

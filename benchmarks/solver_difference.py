@@ -155,8 +155,8 @@ def fitted(cases: TouchSet, start: GelMaterial, errors: NumericalErrors) -> Join
     """E, nu, mu, offsets and factors, linearised anew at the optimum."""
     white = WhitenedTouches.of(cases, errors)
     for _ in range(2):
-        numerical = white.simulation_error_fields(start)
-        fit = joint_fit(white, numerical, joint_model(start, [], len(white.starts), numerical.shape[2], box=cases.box))
+        model = joint_model(start, [], len(white.starts), len(white.simulation_errors), box=cases.box)
+        fit = joint_fit(white, model)
         start = fit.model.material
     return fit
 

@@ -101,7 +101,7 @@ def read_measured(opened: OpenedStore, options: CalibrationOptions) -> Measured:
         free_air_readings.append(at_rest)
         touches.append(_measured(opened, planned, wrench, distinct, readings))
     # too little free air to measure the noise: take the data sheet's
-    noise = noise_at_rest(free_air_readings, reader.samples_a_frame(touches), reader.fractions()) or _stated_noise()
+    noise = noise_at_rest(free_air_readings, reader.samples_a_frame(touches), reader.fractions()) or stated_noise()
     pad = plan.pads[usable[0].pad] if usable else None
     mesh, described = (pad.mesh, pad.described) if pad else (None, {})
     return Measured(tuple(touches), mesh, described, noise, dict(left_out))
@@ -171,7 +171,7 @@ def _measured(
     )
 
 
-def _stated_noise() -> WrenchNoise:
+def stated_noise() -> WrenchNoise:
     """Return the noise that the data sheet of the Robotiq FT 300-S states."""
     assert ROBOTIQ_FT300S.force is not None
     return specified_noise(ROBOTIQ_FT300S.force)

@@ -14,7 +14,6 @@ from tactiledata.diagnose.formula.explain import explain
 from tactiledata.diagnose.naming.full_plays import named_with_full_plays
 from tactiledata.diagnose.naming.name_effects import NamingResult, name_effects
 from tactiledata.diagnose.naming.options import NamingOptions
-from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
 from tactiledata.diagnose.next_trial.limits import limits
 from tactiledata.diagnose.next_trial.propose import propose_trials
 from tactiledata.diagnose.options import DiagnosisOptions
@@ -93,9 +92,7 @@ def diagnose_store(
     if preview is not None and options.fidelity == "finite-strain":
         _preview(opened, calibration, play_progress, name, preview)
     # name what is missing
-    played, naming, full_plays = named_with_full_plays(
-        play, name, DEFAULT_THRESHOLDS, lambda naming: first_answer(Answer(naming).what[0])
-    )
+    played, naming, full_plays = named_with_full_plays(play, name, lambda naming: first_answer(Answer(naming).what[0]))
     candidates = candidates_of(played)
     # compare on data that had no part in the fit
     shown = show(naming, options.seed, step_progress)

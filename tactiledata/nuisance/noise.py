@@ -20,6 +20,8 @@ LEAST_CORRELATION = 1e-3
 """Correlation below which two readings count as independent."""
 SMALLEST_FACTOR = 0.2
 """Smallest deviation of a mean over that of a wrench at one frame: noise that is slower than free air lasts remains."""
+SMALLEST_DEVIATION = 1e-7
+"""Standard deviation, N and N m, below which readings count as all the same."""
 SMALLEST_SHARE = 1e-3
 """Floor of a variance, as a share of the largest of the forces or torques: no component is without error."""
 
@@ -118,7 +120,9 @@ def noise_at_rest(
     for block in (slice(0, 3), slice(3, 6)):
         floor = SMALLEST_SHARE * covariance.diagonal()[block].max()
         covariance[block, block] += np.diag(np.maximum(floor - covariance.diagonal()[block], 0.0))
-    if not covariance.diagonal().min() > 0:
+    # readings that all are the same, as within a dead band, tell no noise: what is left of them is rounding
+    largest = [covariance.diagonal()[block].max() for block in (slice(0, 3), slice(3, 6))]
+    if not min(largest) > SMALLEST_DEVIATION**2 or not covariance.diagonal().min() > 0:
         return None
     variances = reading_covariance.diagonal()
     is_noisy = variances > 0

@@ -64,7 +64,7 @@ def test_only_what_a_setting_acts_on_is_played_again(quiet):
     name = quiet.indenters[0]
     setting = EffectSetting("mount_offset", {"deeper": 1e-4}, {"indenter_name": name})
     before = quiet.played(START, [])
-    found = quiet.play_where(setting, before, START, [setting])
+    found = quiet.simulate_where(setting, before, START, [setting]).wrench
     assert found.tobytes() == quiet.play(START, [setting]).tobytes()
     owner = np.repeat(quiet.indenters, quiet.counts)
     assert (found[owner != name] == before.wrench[owner != name]).all()
@@ -85,14 +85,14 @@ def test_a_strength_at_which_nothing_balances_is_looked_at_smaller(quiet, monkey
     """Springs that find no balance at half a standard deviation are taken at less, in proportion; else left out."""
     white = WhitenedTouches.of(quiet)
     (whole,) = effect_signatures(white, START, ["stem_bending"])
-    played, limit = TouchSet.play_where, 0.0
+    played, limit = TouchSet.simulate_where, 0.0
 
     def unbalanced(self, changed, *rest):
         if changed.values["compliance"] > limit:
             raise UsageError("no balance", "stiffer springs", "Lessen the compliances.")
         return played(self, changed, *rest)
 
-    monkeypatch.setattr(TouchSet, "play_where", unbalanced)
+    monkeypatch.setattr(TouchSet, "simulate_where", unbalanced)
     assert effect_signatures(white, START, ["stem_bending"]) == []
     limit = 0.3 * 0.5 * float(whole.scales[0])
     (part,) = effect_signatures(white, START, ["stem_bending"])

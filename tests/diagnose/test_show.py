@@ -132,8 +132,7 @@ def test_the_same_simulation_tells_what_it_has_not_seen():
         [dataclasses.replace(c, measured=w, noise=n) for c, w, n in zip(quiet.touches, parts, sharp, strict=True)], base
     )
     white = WhitenedTouches.of(cases)
-    raw = white.simulation_error_wrenches(START)
-    fit = joint_fit(white, white.whiten(raw), joint_model(START, [], len(offsets), raw.shape[2]), rounds=12)
+    fit = joint_fit(white, joint_model(START, [], len(offsets), len(white.simulation_errors)), rounds=12)
     for groups in (folds_of(len(offsets)), white.indenter):
         told = held_out_wrenches(white, fit, groups)
         error = np.sqrt(((told - white.measured)[:, :3] ** 2).mean())
@@ -148,8 +147,7 @@ def test_sensors_are_held_out_where_there_are_two():
         for number, case in enumerate(one.touches)
     ]
     white = WhitenedTouches.of(TouchSet(cases, base))
-    raw = white.simulation_error_wrenches(START)
-    fit = joint_fit(white, white.whiten(raw), joint_model(START, [], len(cases), raw.shape[2]))
+    fit = joint_fit(white, joint_model(START, [], len(cases), len(white.simulation_errors)))
     found = held_out_errors(white, (fit, fit), 0)
     assert [(errors.unseen, errors.groups) for errors in found] == [
         ("trajectories", 16), ("indenters", 4), ("sensors", 2)

@@ -58,13 +58,9 @@ def _touch(number, slide, turned, pace):
 def fitted(cases, starts):
     """Fits of one effect each, from starts (effect, values); of the plain simulation where ``None``."""
     white = WhitenedTouches.of(cases)
-    numerical = white.simulation_error_fields(START)
+    errors = len(white.simulation_errors)
     return [
-        joint_fit(
-            white,
-            numerical,
-            joint_model(START, [EffectSetting(*one)] if one else [], len(white.starts), numerical.shape[2]),
-        )
+        joint_fit(white, joint_model(START, [EffectSetting(*one)] if one else [], len(white.starts), errors))
         for one in starts
     ]
 

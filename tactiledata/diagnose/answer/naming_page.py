@@ -21,7 +21,7 @@ from tactiledata.diagnose.locate.locate import LocatorResults
 from tactiledata.diagnose.naming.evidence import ScoredCandidate
 from tactiledata.diagnose.naming.intervals import ProfiledInterval
 from tactiledata.diagnose.naming.name_effects import NamingResult
-from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
+from tactiledata.diagnose.naming.thresholds import DecisionThresholds
 from tactiledata.diagnose.residuals.wording import percent, rounded, with_interval
 from tactiledata.diagnose.unseen.compare import HeldOutComparison
 from tactiledata.effects import EFFECTS
@@ -163,14 +163,16 @@ def _what(naming: NamingResult) -> Section:
     drawn = draw_ladder(
         [title_of(candidate.names) for candidate in ranked],
         [candidate.evidence for candidate in ranked],
-        [DEFAULT_THRESHOLDS.needed(candidate.names) for candidate in ranked],
+        [naming.thresholds.needed(candidate.names) for candidate in ranked],
     )
     caption = "Evidence of the candidates (dots), and the evidence that a claim of each needs (vertical lines)."
     picture = Picture(png_bytes(drawn), caption)
-    return Section("What is missing", sentences, columns, [_cells(candidate) for candidate in ranked], [picture])
+    return Section(
+        "What is missing", sentences, columns, [_cells(candidate, naming.thresholds) for candidate in ranked], [picture]
+    )
 
 
-def _cells(candidate: ScoredCandidate) -> tuple[str, ...]:
+def _cells(candidate: ScoredCandidate, thresholds: DecisionThresholds) -> tuple[str, ...]:
     """Return the cells of a candidate's row."""
     # NaN where there is one indenter only: nothing could be held out
     is_alone = candidate.indenter_gain != candidate.indenter_gain
@@ -180,7 +182,7 @@ def _cells(candidate: ScoredCandidate) -> tuple[str, ...]:
         _unbroken(with_interval(candidate.gain, candidate.gain_error, "1")),
         "-" if is_alone else _unbroken(with_interval(candidate.indenter_gain, candidate.indenter_error, "1")),
         _unbroken(f"{candidate.signature_before:.1f} → {candidate.signature_after:.1f}"),
-        "; ".join(candidate.objections(DEFAULT_THRESHOLDS)) or "none",
+        "; ".join(candidate.objections(thresholds)) or "none",
     )
 
 

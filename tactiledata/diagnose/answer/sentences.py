@@ -13,7 +13,7 @@ from tactiledata.diagnose.naming.name_effects import NamingResult
 from tactiledata.diagnose.naming.own_error_sizes import OddTouch
 from tactiledata.diagnose.naming.remaining_structure import RemainingStructure
 from tactiledata.diagnose.naming.simulator_share import simulator_share, simulator_share_words
-from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
+from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS, DecisionThresholds
 from tactiledata.diagnose.naming.ties import Tie
 from tactiledata.diagnose.residuals.residuals import joined_names
 from tactiledata.diagnose.residuals.wording import rounded, with_interval
@@ -240,7 +240,8 @@ class Answer:
                 for effect in naming.screened
             ],
             "candidates": [
-                _candidate_row(candidate) for candidate in sorted(naming.scored, key=lambda scored: -scored.gain)
+                _candidate_row(candidate, naming.thresholds)
+                for candidate in sorted(naming.scored, key=lambda scored: -scored.gain)
             ],
             "identifiability": naming.identifiable.document,
             "undetectable": list(naming.identifiable.undetectable),
@@ -321,7 +322,7 @@ def _interval(number: ProfiledInterval) -> dict[str, Any]:
     }
 
 
-def _candidate_row(candidate: ScoredCandidate) -> dict[str, Any]:
+def _candidate_row(candidate: ScoredCandidate, thresholds: DecisionThresholds) -> dict[str, Any]:
     """Return a candidate as schemas/diagnosis.json has it (``naming.candidates``)."""
     # NaN where there is one indenter only: nothing could be held out
     is_alone = candidate.indenter_gain != candidate.indenter_gain
@@ -329,7 +330,7 @@ def _candidate_row(candidate: ScoredCandidate) -> dict[str, Any]:
         "effects": list(candidate.names),
         "gain": candidate.gain,
         "gain_error": candidate.gain_error,
-        "needed": DEFAULT_THRESHOLDS.needed(candidate.names),
+        "needed": thresholds.needed(candidate.names),
         "evidence": candidate.evidence,
         "evidence_of_others": candidate.evidence_without_best_two,
         "indenter_gain": None if is_alone else candidate.indenter_gain,

@@ -23,7 +23,7 @@ from tactiledata.diagnose.naming.evidence import ScoredCandidate
 from tactiledata.diagnose.naming.metric import RandomEffects
 from tactiledata.diagnose.naming.remaining_structure import RemainingStructure
 from tactiledata.diagnose.naming.thresholds import DecisionThresholds
-from tactiledata.diagnose.naming.ties import Tie, ties_of_one
+from tactiledata.diagnose.naming.ties import Tie, special_case_of, ties_of_one
 from tactiledata.diagnose.verdict import Verdict
 from tactiledata.effects import EFFECTS
 
@@ -115,7 +115,8 @@ def decide(
     best = next((single for single in ranked if not single.objections(thresholds)), None)
     if best is not None:
         behind = ranked[0].beyond(thresholds) - best.beyond(thresholds)
-        best = None if behind > thresholds.tie_margin(ranked[0].evidence) else best
+        margin = thresholds.tie_margin(ranked[0].evidence, (*ranked[0].names, *best.names))
+        best = None if behind > margin else special_case_of(best, ranked, metric, thresholds)
     # a pair replaces it where both of its effects are needed
     needed = [needed_of(pair, singles, thresholds) for pair in pairs if not pair.objections(thresholds)]
     best = max((*([best] if best is not None else []), *needed), key=_evidence, default=None)
@@ -138,7 +139,7 @@ def decide(
         reason = f"{len(crowd)} other effects explain nearly as much: these data do not say which it is"
         return Decision(Verdict.NOT_EXPLAINED, best, (), chances, (reason,), left, True)
     # no name where the data show more of an effect that cannot be claimed
-    outweighing = None if best is None or len(best.names) > 1 else _outweighing(best, ranked, thresholds)
+    outweighing = None if best is None else _outweighing(best, ranked, thresholds)
     if best is not None and outweighing is not None:
         reason = (
             f"the evidence of {outweighing.label} is {outweighing.evidence:.0f}, that of {best.label}"
@@ -213,24 +214,21 @@ def _crowd(
 def _outweighing(
     best: ScoredCandidate, ranked: Sequence[ScoredCandidate], thresholds: DecisionThresholds
 ) -> ScoredCandidate | None:
-    """Return the single effect that takes the best one's name away, if any.
+    """Return the single effect that takes the name of the best one, or of two, away, if any.
 
     It has ``outweighed`` times the evidence, cannot be claimed, and acts in the same slot; or it is any such effect
     where errors of the simulation resemble the best one. Of several, the one with most evidence is returned.
     """
+    slots = {str(EFFECTS[name].slot) for name in best.names}
     more = [
         one
         for one in ranked
         if one.evidence > thresholds.outweighed * best.evidence
         and one.objections(thresholds)
-        and (thresholds.is_resembled(best.names) or _slot(one) == _slot(best))
+        and not set(one.names) & set(best.names)
+        and (thresholds.is_resembled(best.names) or EFFECTS[one.names[0]].slot in slots)
     ]
     return max(more, key=_evidence, default=None)
-
-
-def _slot(single: ScoredCandidate) -> str:
-    """Return the slot in which a single effect acts."""
-    return str(EFFECTS[single.names[0]].slot)
 
 
 def _probabilities(
@@ -246,7 +244,7 @@ def _probabilities(
     ]
     candidates = [*singles, *pairs]
     shares = thresholds.shares(
-        np.array([candidate.beyond(thresholds) for candidate in candidates]),
+        np.array([one.beyond(thresholds) / thresholds.growth(one.names) for one in candidates]),
         np.array(objected, dtype=bool),
         is_left,
     )

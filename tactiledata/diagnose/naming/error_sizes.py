@@ -9,7 +9,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from tactiledata.arrays import Array, Indices
-from tactiledata.diagnose.naming.joint_fit import JointFit, settled_plain_fit
+from tactiledata.diagnose.naming.joint_fit import JointFit, joint_fit
 from tactiledata.diagnose.naming.metric import RandomEffects
 from tactiledata.diagnose.naming.own_error_sizes import own_size_penalty, with_estimated_own_sizes
 from tactiledata.diagnose.naming.parameters import JointModel
@@ -48,7 +48,7 @@ def with_estimated_errors(whitened: WhitenedTouches, fit: JointFit) -> tuple[Whi
         whitened = with_simulated_by(whitened, fit)
         for estimated in (with_estimated_sizes, with_estimated_own_sizes):
             before, whitened = whitened, estimated(whitened, fit)
-            fit = settled_plain_fit(whitened, with_errors_of(fit.model, before, whitened))
+            fit = joint_fit(whitened, with_errors_of(fit.model, before, whitened))
     return whitened, fit
 
 

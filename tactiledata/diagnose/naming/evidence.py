@@ -9,9 +9,9 @@ gain
     was fitted without it, its own contact offset marginalised; p_k is the same of the plain fit. G is the rise of the
     log-likelihood on held-out data. Its standard error is √t times the sample standard deviation of the g_k.
 evidence
-    B = ζ (P - C) / (2 φ) - O. C is the cost of the candidate fitted to all trajectories, whitened squares plus priors,
-    and P is that of the plain fit. B approximates the logarithm of their Bayes factor. ζ = 1 / (1 + t q / α) lets it
-    saturate with the number of trajectories, since errors of the simulation repeat in all of them.
+    B = (P - C) / (2 φ) - O. C is the cost of the candidate fitted to all trajectories, whitened squares plus priors,
+    and P is that of the plain fit. B approximates the logarithm of their Bayes factor. Errors of the simulation repeat
+    in all trajectories: the evidence that a claim needs grows with their number (`DecisionThresholds.growth`).
 Occam penalty
     O = ½ ln det(I + SᵀMS) + Σ ln m, the price of the candidate's free numbers (`JointFit.occam`). S is what one prior
     standard deviation of each strength changes in the whitened data, M the inverse covariance of the data with every
@@ -182,8 +182,9 @@ class ScoredCandidate:
 
         There are nine: too little evidence; evidence from two trajectories; an uncertain gain; a larger error on
         indenters that were held out; too little of the excess gone on data that were not fitted; trajectories that do
-        not agree; a signature that the refit has not removed; nu at an end of its range beside an effect that errors of
-        the simulation resemble; and strengths that are not plausible.
+        not agree; a signature that the refit has not removed; less than ``at_bound`` times the needed evidence where nu
+        stands at an end of its range beside an effect that errors of the simulation resemble; and strengths that are
+        not plausible.
         """
         needed, reasons = thresholds.needed(self.names), []
         if self.evidence < needed:
@@ -211,10 +212,11 @@ class ScoredCandidate:
             reasons.append(f"the trajectories do not agree on the effect ({self.signature_before:.1f} standard errors)")
         if abs(self.signature_after) > max(thresholds.signature_threshold, 0.5 * self.signature_before):
             reasons.append("the residual still holds the change that the effect should remove")
-        if POISSON_RATIO in self.at_bounds and thresholds.is_resembled(self.names):
+        at_bound = thresholds.at_bound * needed
+        if POISSON_RATIO in self.at_bounds and thresholds.is_resembled(self.names) and self.evidence < at_bound:
             reasons.append(
-                f"{POISSON_RATIO} stands at an end of the range that was tried: with the effect or without, the"
-                " simulation follows these data with no plausible gel"
+                f"{POISSON_RATIO} stands at an end of the range that was tried, where errors of the simulation bring up"
+                f" to {at_bound:.0f}"
             )
         return (*reasons, *(f"{name} is not plausible" for name in self.implausible))
 
@@ -226,7 +228,6 @@ def score_candidate(
     out: GroupedCosts,
     expected: float,
     dispersion: float,
-    counted: float = 1.0,
 ) -> ScoredCandidate:
     """Return the scores of a refit beside the plain fit; the module's docstring has the formulas.
 
@@ -240,8 +241,6 @@ def score_candidate(
         Sum of whitened squares of all trajectories where noise is all there is.
     dispersion : float
         φ, at least 1.
-    counted : float
-        ζ: factor on the evidence by number and precision of trajectories, `DecisionThresholds.counted`.
     """
     gains = 0.5 * (base_out.by_trajectory - out.by_trajectory) / dispersion
     # numbers that differ by indenter cannot be predicted for an indenter that is held out
@@ -260,8 +259,8 @@ def score_candidate(
         fit, gains, float(of_indenters.sum()) if has_indenter_gain else float("nan"),
         error_of_sum(of_indenters), _excess_share(float(groups.sum() - fitted.sum()), excess), before, after,
         implausible, at_bounds,
-        0.5 * counted * (base.cost - fit.cost) / dispersion - fit.occam,
-        0.5 * counted * (base.cost_by_trajectory - fit.cost_by_trajectory) / dispersion,
+        0.5 * (base.cost - fit.cost) / dispersion - fit.occam,
+        0.5 * (base.cost_by_trajectory - fit.cost_by_trajectory) / dispersion,
     )  # fmt: skip
 
 

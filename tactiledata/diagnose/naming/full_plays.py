@@ -14,7 +14,6 @@ from typing import Protocol, TypeVar
 import numpy as np
 
 from tactiledata.diagnose.naming.name_effects import NamingResult
-from tactiledata.diagnose.naming.thresholds import DecisionThresholds
 from tactiledata.diagnose.touches.grid_answer import TouchPlays
 from tactiledata.diagnose.touches.variant_plays import design_variants
 from tactiledata.effects import EFFECTS
@@ -59,7 +58,6 @@ class FullPlay:
 def named_with_full_plays(
     play: Callable[[frozenset[GelVariant]], AnyPlayed],
     name: Callable[[AnyPlayed], NamingResult],
-    thresholds: DecisionThresholds,
     told: Callable[[NamingResult], None] = lambda naming: None,
 ) -> tuple[AnyPlayed, NamingResult, tuple[FullPlay, ...]]:
     """Return touches, the effects that their simulation lacks, and how far estimates were off.
@@ -70,8 +68,6 @@ def named_with_full_plays(
         Plays the touches, some variants of the gel in full.
     name : callable
         Names the effects that the simulation of touches lacks.
-    thresholds : DecisionThresholds
-        An effect is looked at closely where its evidence is enough for a trace.
     told : callable
         Called with the first answer where gels have yet to be played in full.
     """
@@ -82,7 +78,7 @@ def named_with_full_plays(
     for _ in range(MOST_ROUNDS):
         estimates = estimated(played.plays)
         wanted = estimates.intersection(
-            variant for effect in promising(naming, thresholds) for variant in design_variants(EFFECTS[effect]())
+            variant for effect in promising(naming) for variant in design_variants(EFFECTS[effect]())
         )
         if not wanted:
             break
@@ -110,9 +106,9 @@ def estimated(plays: Sequence[TouchPlays]) -> frozenset[GelVariant]:
     return frozenset(variant for one in plays for variant in one.by_estimate)
 
 
-def promising(naming: NamingResult, thresholds: DecisionThresholds) -> set[str]:
+def promising(naming: NamingResult) -> set[str]:
     """Return the effects on which an answer could rest: those with evidence for a trace, the named ones, and ties."""
-    trace = thresholds.for_traces
+    trace = naming.thresholds.for_traces
     found = {effect for one in naming.scored if one.beyond(trace) >= 0 for effect in one.names}
     return found | set(naming.decision.claimed) | {tie.name for tie in naming.decision.ties}
 

@@ -15,7 +15,7 @@ from tactiledata.arrays import Array
 from tactiledata.diagnose.naming.metric import RandomEffects, cosines
 from tactiledata.diagnose.naming.signatures import Signature, effect_signatures, nuisance, playable
 from tactiledata.diagnose.naming.strength import Strength
-from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
+from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS, DecisionThresholds
 from tactiledata.diagnose.touches.simulation_errors import NumericalErrors
 from tactiledata.diagnose.touches.touch_case import TouchSet
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
@@ -39,6 +39,8 @@ class Identifiability:
         Signal-to-noise ratio in these trajectories, after concealment, at the far end of the plausible range.
     visible : (k,)
         Signal-to-noise ratio, in the same sense as ``reach``, from which the effect of each strength can be claimed.
+    thresholds : DecisionThresholds
+        The thresholds for these trajectories.
     not_told : tuple of str
         Effects that depend on covariates which the touches do not have.
     without_trace : tuple of str
@@ -153,15 +155,16 @@ def identifiability(
     whitened = WhitenedTouches.of(touch_set, errors)
     names, not_told = playable(whitened, effects)
     signatures = effect_signatures(whitened, material, names)
-    return identifiability_of(nuisance(whitened, material), signatures, tuple(not_told), names, whitened.precision)
+    thresholds = DEFAULT_THRESHOLDS.for_data(len(whitened.starts), whitened.precision)
+    return identifiability_of(nuisance(whitened, material), signatures, thresholds, tuple(not_told), names)
 
 
 def identifiability_of(
     metric: RandomEffects,
     signatures: Sequence[Signature],
+    thresholds: DecisionThresholds,
     not_told: tuple[str, ...] = (),
     names: Sequence[str] = (),
-    precision: float = 1.0,
 ) -> Identifiability:
     """Return what trajectories could show of effects, from signatures that are known already.
 
@@ -171,12 +174,12 @@ def identifiability_of(
         Metric of the plain simulation.
     signatures : sequence of Signature
         Of each strength, the shapes with the largest reach are kept.
+    thresholds : DecisionThresholds
+        The thresholds for these trajectories.
     not_told : tuple of str
         Effects that depend on covariates which the touches do not have.
     names : sequence of str
         All effects that were tried: those without a signature change nothing.
-    precision : float
-        Precision of the trajectories, `WhitenedTouches.precision`.
     """
     with_signature = {signature.effect for signature in signatures}
     best: dict[Strength, tuple[float, float, Array]] = {}
@@ -195,7 +198,7 @@ def identifiability_of(
         np.array([hidden for _, hidden, _ in best.values()]),
         alike,
         np.array([reach for reach, _, _ in best.values()]),
-        np.array([DEFAULT_THRESHOLDS.visible(strength.effect, len(metric.starts), precision) for strength in best]),
+        np.array([thresholds.visible(strength.effect) for strength in best]),
         not_told,
         tuple(name for name in names if name not in with_signature),
     )

@@ -103,9 +103,7 @@ def _profiled(
         if reach <= 0.0:
             return 0.0
         start = fit.model.at(np.clip(fit.model.vector + side * reach * along, low, high), fit.model.offsets)
-        rise = (
-            joint_fit(whitened, fit.simulation_error_fields, start, held=(entry,), rounds=ROUNDS).cost - fit.cost
-        ) / dispersion
+        rise = (joint_fit(whitened, start, held=(entry,), rounds=ROUNDS).cost - fit.cost) / dispersion
         if reach >= room and rise < RISE:
             return room
         # the cost is about quadratic: within 15 % of the rise, the reach is within 7 %

@@ -20,20 +20,16 @@ from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.nuisance.offsets import PRIOR
 
-ROUNDS = 8
+ROUNDS = 12
 """Largest number of rounds of a fit: each linearises once and takes one step."""
 STILL = 0.05
 """A fit ends when a round lowers the cost by less than this. With 0.25, slow fits would end far from their minimum."""
 MOST_DAMPING = 1e2
 """Relative damping of the normal equations at which a fit gives up looking for a step that lowers the cost."""
+SHORTER = (0.3, 0.1, 0.03)
+"""Shares of a step that are tried where the whole step raises the cost, before the damping grows."""
 HALVINGS = 3
 """Largest number of times that the motion of contact offsets is halved before the whole step is damped."""
-ALTERNATIONS = 3
-"""How often errors of the simulation are taken anew about a fit, and fitted again, at most."""
-LATER_ROUNDS = 3
-"""Rounds of a fit after the errors of the simulation were taken anew: it starts near its end."""
-SETTLED = 1.0
-"""Errors belong to a fit if taking them about it anew changes its cost by less than this."""
 BEHIND = 100.0
 """A fit whose cost is above that of another explanation by more than this ends early if it is unlikely to catch up."""
 
@@ -170,7 +166,6 @@ class JointFit:
 
 def joint_fit(
     whitened: WhitenedTouches,
-    numerical: Array,
     start: JointModel,
     held: Iterable[int] = (),
     rounds: int = ROUNDS,
@@ -185,10 +180,8 @@ def joint_fit(
     ----------
     whitened : WhitenedTouches
         Measured trajectories.
-    numerical : (N, 6, e)
-        Whitened change over one standard deviation of each error of the simulation.
     start : JointModel
-        Where the fit starts.
+        Where the fit starts; without errors of the simulation where it has none.
     held : iterable of int
         Entries of the model's vector that do not move.
     rounds : int
@@ -201,7 +194,7 @@ def joint_fit(
     UsageError
         Gel and springs find no balance at the start.
     """
-    work = Linearised(whitened, numerical, frozenset(held))
+    work = Linearised(whitened, frozenset(held))
     model, damping = start, 1e-3
     state = work.evaluate(model)
     slopes, before = work.slopes(model, state), np.inf
@@ -221,54 +214,6 @@ def joint_fit(
         model, state.cost, state.residual, slopes.shared, work.precision(model), work.centre(model), slopes.own,
         changed, whitened.starts,
     )  # fmt: skip
-
-
-def first_fit(whitened: WhitenedTouches, start: JointModel, to_beat: float = np.inf) -> JointFit:
-    """Return the fit from a start, with the errors of the simulation about the start.
-
-    Parameters
-    ----------
-    whitened : WhitenedTouches
-        Measured trajectories.
-    start : JointModel
-        Where the fit starts.
-    to_beat : float
-        Cost of another explanation: a fit that stays far behind it ends early.
-
-    Raises
-    ------
-    UsageError
-        Gel and springs find no balance at the start.
-    """
-    return joint_fit(whitened, _fields(whitened, start), start, to_beat=to_beat)
-
-
-def settled_fits(whitened: WhitenedTouches, first: JointFit) -> tuple[JointFit, JointFit]:
-    """Return the last two fits of an alternation: each has the errors of the simulation about the model before it.
-
-    Errors of the simulation are shares of simulated wrenches, which move with the fit. Only a fit whose errors are
-    those about itself may be compared with another one. Where the alternation does not settle, as with an effect that
-    cuts forces off, the two differ.
-
-    Parameters
-    ----------
-    whitened : WhitenedTouches
-        Measured trajectories.
-    first : JointFit
-        Fit from which the alternation starts.
-    """
-    before = after = first
-    for _ in range(ALTERNATIONS):
-        fields = _fields(whitened, after.model)
-        before, after = after, joint_fit(whitened, fields, after.model, rounds=LATER_ROUNDS)
-        if abs(after.cost - before.cost) < SETTLED:
-            break
-    return before, after
-
-
-def _fields(whitened: WhitenedTouches, model: JointModel) -> Array:
-    """Whitened errors of the simulation (N, 6, e) at a model: they pass through its effects as forces do."""
-    return whitened.simulation_error_fields(model.material, model.offsets, model.settings)
 
 
 def _better(
@@ -297,20 +242,29 @@ def _better(
             after = work.evaluate_or_none(tried)
         if after is not None and after.cost <= state.cost:
             return tried, after, max(damping / 10.0, 1e-6)
+        shorter = _shorter(work, model, state, tried)
+        if shorter is not None:
+            return *shorter, damping
         damping *= 10.0
+    return None
+
+
+def _shorter(
+    work: Linearised, model: JointModel, state: Evaluation, tried: JointModel
+) -> tuple[JointModel, Evaluation] | None:
+    """A model on the way to a step that raises the cost, at which the cost is lower; ``None`` where there is none."""
+    for share in SHORTER:
+        between = model.at(
+            model.vector + share * (tried.vector - model.vector),
+            model.offsets + share * (tried.offsets - model.offsets),
+        )
+        after = work.evaluate_or_none(between)
+        if after is not None and after.cost < state.cost - STILL:
+            return between, after
     return None
 
 
 def plain_fit(whitened: WhitenedTouches, material: GelMaterial) -> JointFit:
     """Return the fit without effects, from a start material: E, nu, mu, contact offsets, errors of the simulation."""
     errors = len(whitened.simulation_errors)
-    model = joint_model(material, [], len(whitened.starts), errors, box=whitened.touch_set.box)
-    return settled_plain_fit(whitened, model)
-
-
-def settled_plain_fit(whitened: WhitenedTouches, start: JointModel) -> JointFit:
-    """Return the fit without effects from a start; of two fits that do not settle, the one with the lower cost.
-
-    Effects are compared with it: the lower cost leaves them less to explain.
-    """
-    return min(settled_fits(whitened, first_fit(whitened, start)), key=lambda fit: fit.cost)
+    return joint_fit(whitened, joint_model(material, [], len(whitened.starts), errors, box=whitened.touch_set.box))

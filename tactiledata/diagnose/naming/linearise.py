@@ -28,7 +28,9 @@ class Evaluation:
     Parameters
     ----------
     predicted : Played
-        Simulated wrenches of all trajectories.
+        Simulated wrenches of all trajectories, without errors of the simulation.
+    erred : (N, 6)
+        The same with the model's errors of the simulation, N and N m.
     residual : (N, 6)
         Whitened: measured less predicted.
     cost : float
@@ -36,6 +38,7 @@ class Evaluation:
     """
 
     predicted: Played
+    erred: Array
     residual: Array
     cost: float
 
@@ -58,20 +61,20 @@ class Sensitivities:
 
 @dataclass(frozen=True)
 class Linearised:
-    """The least-squares problem of a joint fit: data, errors of the simulation, and which entries do not move.
+    """The least-squares problem of a joint fit: data, and which entries do not move.
+
+    Errors of the simulation are shares of simulated wrenches. They are taken about the wrenches of each model, so that
+    they move with material and effects.
 
     Parameters
     ----------
     whitened : WhitenedTouches
         Measured trajectories.
-    simulation_error_fields : (N, 6, e)
-        Whitened change over one standard deviation of each error of the simulation.
     held : frozenset of int
         Entries of the model's vector that do not move.
     """
 
     whitened: WhitenedTouches
-    simulation_error_fields: Array
     held: frozenset[int]
 
     def precision(self, model: JointModel) -> Array:
@@ -95,10 +98,11 @@ class Linearised:
             Gel and springs find no balance.
         """
         predicted = self.whitened.touch_set.played(model.material, model.settings, model.offsets)
-        residual = self.whitened.residual(predicted.wrench) - self.simulation_error_fields @ model.errors
+        erred = self.whitened.erred(predicted, model.errors)
+        residual = self.whitened.residual(erred)
         off = model.vector - self.centre(model)
         priors = self.precision(model) @ off**2 + ((model.offsets / PRIOR) ** 2).sum()
-        return Evaluation(predicted, residual, float((residual**2).sum() + priors))
+        return Evaluation(predicted, erred, residual, float((residual**2).sum() + priors))
 
     def costs(self, model: JointModel, residual: Array) -> Array:
         """Return the part (t,) of the cost that is each trajectory's own: its residual and the prior of its offset."""
@@ -114,9 +118,9 @@ class Linearised:
 
     def slopes(self, model: JointModel, state: Evaluation) -> Sensitivities:
         """Return finite-difference derivatives about a model whose evaluation is known."""
-        settings, offsets = model.settings, model.offsets
-        gel = material_fields(self.whitened, model.material, settings, offsets, state.predicted)
-        own = own_field(self.whitened, model.material, settings, offsets, state.predicted)
+        settings, offsets, errors = model.settings, model.offsets, model.errors
+        gel = material_fields(self.whitened, model.material, settings, offsets, state.predicted, errors)
+        own = own_field(self.whitened, model.material, settings, offsets, state.predicted, errors)
         vector, high = model.vector, model.bounds[1]
         fields = []
         for entry in range(3, 3 + len(model.coordinates)):
@@ -126,13 +130,15 @@ class Linearised:
             there[entry] += step
             moved = model.at(there, offsets)
             setting = moved.settings[model.coordinates[entry - 3].setting_index]
-            changed = self.whitened.touch_set.play_where(
+            changed = self.whitened.touch_set.simulate_where(
                 setting, state.predicted, moved.material, moved.settings, offsets
             )
-            fields.append(self.whitened.whiten(changed - state.predicted.wrench) / step)
-        return Sensitivities(
-            np.concatenate([gel, *(field[:, :, None] for field in fields), self.simulation_error_fields], axis=2), own
-        )
+            erred = self.whitened.erred(changed, errors)
+            fields.append(self.whitened.whiten(erred - state.erred)[:, :, None] / step)
+        if len(errors):
+            wrenches = self.whitened.error_frames.wrenches(state.predicted.wrench, state.predicted.friction)
+            fields.append(self.whitened.whiten(wrenches))
+        return Sensitivities(np.concatenate([gel, *fields], axis=2), own)
 
     def step(
         self, model: JointModel, state: Evaluation, slopes: Sensitivities, damping: float

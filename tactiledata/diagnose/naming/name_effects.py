@@ -20,12 +20,13 @@ from tactiledata.diagnose.naming.evidence import ScoredCandidate
 from tactiledata.diagnose.naming.held_out import held_out
 from tactiledata.diagnose.naming.identifiability import Identifiability, identifiability_of
 from tactiledata.diagnose.naming.intervals import ProfiledInterval, intervals
-from tactiledata.diagnose.naming.joint_fit import JointFit, plain_fit, settled_plain_fit
+from tactiledata.diagnose.naming.joint_fit import JointFit, joint_fit, plain_fit
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.naming.own_error_sizes import OddTouch, odd_touches, with_estimated_own_sizes
 from tactiledata.diagnose.naming.refit import Refits
 from tactiledata.diagnose.naming.screen import Screened, screen
 from tactiledata.diagnose.naming.signatures import Signature, effect_signatures, playable
+from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS, DecisionThresholds
 from tactiledata.diagnose.touches.touch_case import TouchSet
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.gel.elasticity.material import GelMaterial
@@ -58,6 +59,8 @@ class NamingResult:
         Effects that depend on covariates which some touches do not have.
     odd : tuple of OddTouch
         Touches whose forces do not belong to the others, in the decision's best fit.
+    thresholds : DecisionThresholds
+        The thresholds for these trajectories.
     """
 
     whitened: WhitenedTouches
@@ -70,6 +73,7 @@ class NamingResult:
     decision: Decision
     not_tried: tuple[str, ...]
     odd: tuple[OddTouch, ...] = ()
+    thresholds: DecisionThresholds = DEFAULT_THRESHOLDS
 
 
 def name_effects(
@@ -122,11 +126,13 @@ def name_effects(
     before, after = (
         intervals(whitened, fit, max(1.0, decision.left.dispersion), chosen.profile and claimed) for fit in (base, best)
     )
-    identifiable = identifiability_of(base.metric, tried.signatures, tuple(not_tried), names, whitened.precision)
+    thresholds = tried.refits.thresholds
+    identifiable = identifiability_of(base.metric, tried.signatures, thresholds, tuple(not_tried), names)
     odd = odd_touches(whitened, best)
     return NamingResult(
-        whitened, base, before, after, identifiable, tried.screened, scored, decision, tuple(not_tried), odd
-    )
+        whitened, base, before, after, identifiable, tried.screened, scored, decision, tuple(not_tried), odd,
+        thresholds,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -173,7 +179,7 @@ def _with_smaller_errors(first: _Tried, names: Sequence[str]) -> _Tried:
         replace(
             refits,
             whitened=whitened,
-            base=settled_plain_fit(whitened, with_errors_of(base.model, refits.whitened, whitened)),
+            base=joint_fit(whitened, with_errors_of(base.model, refits.whitened, whitened)),
             reference=held_out(refits.whitened, base, refits.options.seed),
             size_penalty=size_penalty(refits.whitened, base, whitened),
         ),

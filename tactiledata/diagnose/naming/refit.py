@@ -10,18 +10,21 @@ import numpy as np
 from tactiledata.diagnose.naming.decide import Decision, decide
 from tactiledata.diagnose.naming.evidence import ScoredCandidate, range_checks, score_candidate
 from tactiledata.diagnose.naming.held_out import GroupedCosts, held_out
-from tactiledata.diagnose.naming.joint_fit import BEHIND, JointFit, first_fit, settled_fits
+from tactiledata.diagnose.naming.joint_fit import JointFit, joint_fit
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.naming.parameters import joint_model
 from tactiledata.diagnose.naming.remaining_structure import RemainingStructure
 from tactiledata.diagnose.naming.screen import Screened, screen
 from tactiledata.diagnose.naming.signatures import effect_signatures
 from tactiledata.diagnose.naming.strength import Strength
+from tactiledata.diagnose.naming.thresholds import DecisionThresholds
 from tactiledata.diagnose.naming.ties import ties_of_two
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.effects.simulate.setting import EffectSetting
 from tactiledata.errors import UsageError
 
+WEAK = 0.05
+"""Share of the screen's strengths from which a refit starts that did not end below the plain fit."""
 COMPARABLE = 0.8
 """Another effect is tried in place of a named one if its score is at least this share of the named one's."""
 
@@ -55,6 +58,11 @@ class Refits:
     reference: GroupedCosts | None = None
     size_penalty: float = 0.0
 
+    @property
+    def thresholds(self) -> DecisionThresholds:
+        """The thresholds for these trajectories."""
+        return self.options.thresholds.for_data(len(self.whitened.starts), self.whitened.precision)
+
     def singles(self, screened: Sequence[Screened]) -> list[JointFit]:
         """Return a refit of each promising effect, the best of its starts; effects without any balance are left out.
 
@@ -67,9 +75,14 @@ class Refits:
         for effect in promising:
             self.progress(f"refit {effect.effect}")
             to_beat = _cost_to_beat(fits)
-            tried = [self._first_fit(self.base, start, effect.strengths, to_beat) for start in effect.starts]
+            tried = [self._fit(self.base, start, effect.strengths, to_beat) for start in effect.starts]
             found = min(filter(None, tried), key=lambda fit: fit.cost, default=None)
-            fits += filter(None, [self._settled(found, to_beat)])
+            if found is not None and found.cost > self.base.cost:
+                # the plain fit is a special case that costs less: a fit from near it does not end above it
+                weak = [setting.weakened(WEAK) for setting in effect.starts[0]]
+                nearer = self._fit(self.base, weak, effect.strengths)
+                found = found if nearer is None else min(found, nearer, key=lambda fit: fit.cost)
+            fits += filter(None, [found])
         return fits
 
     def pairs(self, screened: Sequence[Screened], singles: Sequence[JointFit]) -> list[JointFit]:
@@ -88,7 +101,7 @@ class Refits:
             model = first.model
             signatures = effect_signatures(self.whitened, model.material, others, model.settings, model.offsets)
             for second in screen(first.metric, first.residual_at_centre, signatures):
-                if second.evidence < self.options.thresholds.claim(second.effect):
+                if second.evidence < self.thresholds.claim(second.effect):
                     continue
                 key = frozenset([first.names[0], second.effect])
                 cost = first.cost - second.score
@@ -102,8 +115,7 @@ class Refits:
             self.progress(f"refit {' with '.join(names)}")
             strengths = frozenset().union(*(kept[name] for name in names))
             to_beat = _cost_to_beat(fits)
-            fit = self._first_fit(first, start, strengths, to_beat)
-            fits += filter(None, [self._settled(fit, to_beat)])
+            fits += filter(None, [self._fit(first, start, strengths, to_beat)])
         return fits
 
     def score_and_decide(
@@ -115,7 +127,7 @@ class Refits:
         the dispersion that the best fit leaves there. Where a pair is named, refits in which another effect replaces
         one of the two are scored as well: those that explain the data as well become ties.
         """
-        seed, thresholds = self.options.seed, self.options.thresholds
+        seed, thresholds = self.options.seed, self.thresholds
         # held-out squares of every fit, and the dispersion that the best one leaves
         self.progress("held-out trajectories and indenters")
         base_out = self.reference or held_out(self.whitened, self.base, seed)
@@ -126,9 +138,8 @@ class Refits:
         dispersion = max(1.0, left.dispersion)
 
         def score_of(fit: JointFit, out: GroupedCosts) -> ScoredCandidate:
-            counted = thresholds.counted(len(self.whitened.starts), self.whitened.precision)
-            scored = score_candidate(self.base, fit, base_out, out, float(expected.sum()), dispersion, counted)
-            return with_penalty(scored, counted * self.size_penalty / dispersion)
+            scored = score_candidate(self.base, fit, base_out, out, float(expected.sum()), dispersion)
+            return with_penalty(scored, self.size_penalty / dispersion)
 
         # scores and decision
         scored = [score_of(fit, out) for fit, out in zip((*singles, *pairs), outs, strict=True)]
@@ -168,12 +179,11 @@ class Refits:
                 if name == named or other.score < least:
                     continue
                 strengths = model.strengths | other.strengths
-                fit = self._first_fit(alone, (*model.settings, *other.starts[0]), strengths, pair.cost)
-                settled = self._settled(fit, pair.cost)
-                fits += [(kept, settled)] if settled is not None else []
+                fit = self._fit(alone, (*model.settings, *other.starts[0]), strengths, pair.cost)
+                fits += [(kept, fit)] if fit is not None else []
         return fits
 
-    def _first_fit(
+    def _fit(
         self, near: JointFit, start: Sequence[EffectSetting], kept: frozenset[Strength], to_beat: float = np.inf
     ) -> JointFit | None:
         """Joint fit from start settings; ``None`` where gel and springs find no balance, as with too strong an effect.
@@ -195,26 +205,7 @@ class Refits:
         of_material_and_effects = model.vector[: 3 + len(model.coordinates)]
         model = model.at(np.concatenate([of_material_and_effects, from_there.errors]), from_there.offsets)
         try:
-            return first_fit(self.whitened, model, to_beat)
-        except UsageError:
-            return None
-
-    def _settled(self, fit: JointFit | None, to_beat: float) -> JointFit | None:
-        """Return the fit with the errors of the simulation about itself; ``None`` where there is no balance.
-
-        Of two fits that do not settle, the one with the higher cost is kept: it gives the effects less evidence.
-
-        Parameters
-        ----------
-        fit : JointFit, optional
-            Where it starts; ``None`` where nothing was found.
-        to_beat : float
-            Cost of another explanation: a fit that is far behind it stays as it is.
-        """
-        if fit is None or fit.cost > to_beat + BEHIND:
-            return fit
-        try:
-            return max(settled_fits(self.whitened, fit), key=lambda either: either.cost)
+            return joint_fit(self.whitened, model, to_beat=to_beat)
         except UsageError:
             return None
 

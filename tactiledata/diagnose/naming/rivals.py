@@ -145,12 +145,7 @@ def _screened(naming: NamingResult, start: Sequence[EffectSetting]) -> Rival:
     errors = len(base.errors)
     model = joint_model(base.material, start, len(base.offsets), errors, box=base.box)
     model = replace(model, offsets=base.offsets, errors=base.errors)
-    return Rival(
-        start[0].effect,
-        joint_fit(
-            naming.whitened, naming.whitened.simulation_error_fields(base.material, base.offsets), model, rounds=0
-        ),
-    )
+    return Rival(start[0].effect, joint_fit(naming.whitened, model, rounds=0))
 
 
 def _undetectable(naming: NamingResult) -> Rivals:

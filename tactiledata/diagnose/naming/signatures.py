@@ -256,12 +256,12 @@ def _change(
     """Change of the wrench (N, 6) by the last setting; without contact offsets where there is no balance with them."""
     last = settings[-1]
     try:
-        return whitened.touch_set.play_where(last, before, material, settings, offsets) - before.wrench
+        return whitened.touch_set.simulate_where(last, before, material, settings, offsets).wrench - before.wrench
     except UsageError:
         if offsets is None:
             raise
         without = whitened.touch_set.played(material, settings[:-1])
-        return whitened.touch_set.play_where(last, without, material, settings) - without.wrench
+        return whitened.touch_set.simulate_where(last, without, material, settings).wrench - without.wrench
 
 
 def material_steps(bounds: Bounds) -> Array:
@@ -275,6 +275,7 @@ def material_fields(
     settings: Sequence[EffectSetting],
     offsets: Array | None,
     before: Played,
+    errors: Array,
 ) -> Array:
     """Return the whitened change (N, 6, 3) over ln E, nu and mu.
 
@@ -290,8 +291,11 @@ def material_fields(
         Contact offset of each trajectory.
     before : Played
         The trajectories as played with all of these.
+    errors : (e,)
+        Errors of the simulation, which are shares of the wrenches; empty where there are none.
     """
     bounds = find_bounds("wide")
+    erred = whitened.erred(before, errors)
     steps = material_steps(bounds)
     here = np.array([np.log(material.youngs_modulus), material.poisson_ratio, material.friction])
     fields = []
@@ -301,13 +305,18 @@ def material_fields(
         there = here.copy()
         there[entry] += inward
         moved = GelMaterial(float(np.exp(there[0])), float(there[1]), float(there[2]))
-        changed = whitened.touch_set.play(moved, settings, offsets, before) - before.wrench
-        fields.append(whitened.whiten(changed) / inward)
+        changed = whitened.erred(whitened.touch_set.simulate(moved, settings, offsets, before), errors)
+        fields.append(whitened.whiten(changed - erred) / inward)
     return np.stack(fields, axis=2)
 
 
 def own_field(
-    whitened: WhitenedTouches, material: GelMaterial, settings: Sequence[EffectSetting], offsets: Array, before: Played
+    whitened: WhitenedTouches,
+    material: GelMaterial,
+    settings: Sequence[EffectSetting],
+    offsets: Array,
+    before: Played,
+    errors: Array,
 ) -> Array:
     """Return the whitened change (N, 6) over one prior standard deviation of each trajectory's contact offset.
 
@@ -323,9 +332,11 @@ def own_field(
         Contact offsets about which the difference is taken.
     before : Played
         The trajectories as played with all of these.
+    errors : (e,)
+        Errors of the simulation; empty where there are none.
     """
-    moved = whitened.touch_set.play(material, settings, offsets + OWN_STEP, before)
-    return whitened.whiten(moved - before.wrench) * (PRIOR / OWN_STEP)
+    moved = whitened.touch_set.simulate(material, settings, offsets + OWN_STEP, before)
+    return whitened.whiten(whitened.erred(moved, errors) - whitened.erred(before, errors)) * (PRIOR / OWN_STEP)
 
 
 def material_precision() -> Array:
@@ -340,8 +351,9 @@ def material_precision() -> Array:
 def nuisance(whitened: WhitenedTouches, material: GelMaterial) -> RandomEffects:
     """Return the metric of the plain simulation at a material: what a refit or its errors imitate counts as 0."""
     before = whitened.touch_set.played(material, [])
-    own = own_field(whitened, material, [], np.zeros(len(whitened.starts)), before)
+    none = np.zeros(0)
+    own = own_field(whitened, material, [], np.zeros(len(whitened.starts)), before, none)
     errors = whitened.simulation_error_fields(material)
-    shared = np.concatenate([material_fields(whitened, material, [], None, before), errors], axis=2)
+    shared = np.concatenate([material_fields(whitened, material, [], None, before, none), errors], axis=2)
     precision = np.concatenate([material_precision(), np.ones(errors.shape[2])])
     return RandomEffects(own, shared, precision, whitened.starts)

@@ -37,7 +37,7 @@ CLAIM_EVIDENCE: Mapping[str, float] = MappingProxyType({
     "static_friction": 300.0, "arm_compliance": 40.0, "mount_offset": 40.0, "thickness": 35.0,
     "strain_stiffening": 35.0, "stem_bending": 30.0, "soft_region": 30.0, "dome": 30.0, "skin": 30.0,
     "area_friction": 30.0, "partial_slip": 30.0, "heating": 20.0, "mullins": 20.0, "wear": 20.0, "pad_edge": 20.0,
-    "adhesion": 20.0,
+    "adhesion": 20.0, "rate_friction": 30.0,
 })  # fmt: skip
 """Evidence that an effect needs where errors of the simulation resemble it; the others need ``USUAL_CLAIM``."""
 USUAL_CLAIM = 12.0
@@ -58,9 +58,17 @@ class DecisionThresholds:
     usual_claim : float
         Evidence that a claim of any other effect needs.
     saturation : float
-        Number α of trajectories of precision 1 at which their evidence counts half: that of t trajectories of precision
-        q is multiplied by 1 / (1 + t q / α). An error of the simulation is the same in every trajectory, and what it
-        brings grows with the precision as well. Source: Miller and Dunson, JASA 114 (2019), the coarsened posterior.
+        Number α of trajectories of precision 1 from which the evidence that a claim needs is twice as large, for
+        effects that errors of the simulation resemble: with t trajectories of precision q it is multiplied by
+        1 + t q / α (`for_data`). Such an error is the same in every trajectory, and what it brings grows with the
+        precision as well. Source: Miller and Dunson, JASA 114 (2019), the coarsened posterior.
+    usual_saturation : float
+        The same number for effects that errors of the simulation do not resemble.
+    data : float
+        Number of trajectories times their precision, t q; 0 before `for_data`.
+    at_bound : float
+        Multiple of the needed evidence that an effect needs which errors of the simulation resemble, where nu stands at
+        an end of its range: the simulation follows these data with no plausible gel, and errs more than elsewhere.
     broad_share : float
         Share of the needed evidence that must remain without the two trajectories that contribute most.
     gain_sigmas : float
@@ -123,7 +131,10 @@ class DecisionThresholds:
 
     claims: Mapping[str, float] = field(default_factory=lambda: CLAIM_EVIDENCE)
     usual_claim: float = USUAL_CLAIM
-    saturation: float = 100.0
+    saturation: float = 400.0
+    usual_saturation: float = 1000.0
+    data: float = 0.0
+    at_bound: float = 2.0
     broad_share: float = 0.5
     gain_sigmas: float = 2.0
     certain_signature: float = 4.0
@@ -149,9 +160,17 @@ class DecisionThresholds:
     log_odds_nothing: float = 0.0
     log_odds_unlisted: float = 3.0
 
+    def for_data(self, trajectories: int, precision: float = 1.0) -> DecisionThresholds:
+        """Return the thresholds for a number of trajectories of a precision, `WhitenedTouches.precision`."""
+        return replace(self, data=trajectories * precision)
+
+    def growth(self, names: Sequence[str]) -> float:
+        """Return the factor on evidence that effects need, by number and precision of the trajectories."""
+        return 1.0 + self.data / (self.saturation if self.is_resembled(names) else self.usual_saturation)
+
     def claim(self, name: str) -> float:
         """Return the evidence that a claim of an effect needs."""
-        return self.claims.get(name, self.usual_claim)
+        return self.claims.get(name, self.usual_claim) * self.growth((name,))
 
     def is_resembled(self, names: Sequence[str]) -> bool:
         """Return whether errors of a simulation resemble one of these effects."""
@@ -165,26 +184,13 @@ class DecisionThresholds:
         """Return the evidence that a candidate of these effects needs."""
         return sum(self.claim(name) for name in names)
 
-    def counted(self, trajectories: int, precision: float = 1.0) -> float:
-        """Return the factor on the evidence of a number of trajectories of a precision; see ``saturation``."""
-        return 1.0 / (1.0 + trajectories * precision / self.saturation)
-
-    def visible(self, name: str, trajectories: int, precision: float = 1.0) -> float:
+    def visible(self, name: str) -> float:
         """Return the signal-to-noise ratio s from which an effect can be claimed.
 
         The signal is the root of the sum of whitened squares of what the effect changes beyond what a refit imitates.
-        The expected evidence is ``counted`` times s²/2, less ``TYPICAL_OCCAM``.
-
-        Parameters
-        ----------
-        name : str
-            The effect.
-        trajectories : int
-            Number of trajectories.
-        precision : float
-            Their precision, `WhitenedTouches.precision`.
+        The expected evidence is s²/2, less ``TYPICAL_OCCAM``.
         """
-        return float(np.sqrt(2.0 * (self.claim(name) + TYPICAL_OCCAM) / self.counted(trajectories, precision)))
+        return float(np.sqrt(2.0 * (self.claim(name) + TYPICAL_OCCAM)))
 
     @property
     def for_traces(self) -> DecisionThresholds:
@@ -192,21 +198,29 @@ class DecisionThresholds:
         lowered = {name: self.trace_share * value for name, value in self.claims.items()}
         return replace(self, claims=lowered, usual_claim=self.trace_share * self.usual_claim)
 
-    def tie_margin(self, evidence: float) -> float:
-        """Return the lead in evidence up to which another candidate is a tie of one with this evidence."""
-        return max(self.tie_evidence, self.tie_share * evidence)
+    def tie_margin(self, evidence: float, names: Sequence[str]) -> float:
+        """Return the lead in evidence up to which another candidate is a tie of one with this evidence.
+
+        Parameters
+        ----------
+        evidence : float
+            Evidence of the better candidate.
+        names : sequence of str
+            Effects of both.
+        """
+        return max(self.tie_evidence * self.growth(names), self.tie_share * evidence)
 
     def shares(self, beyond: Array, is_objected: Mask, is_left: bool) -> Array:
         """Return probabilities (c + 2,) of c candidates, then of nothing, then of an effect outside the catalogue.
 
-        They are the softmax of log-odds: ``evidence_slope`` times the evidence beyond what the candidate needs, less
-        ``objection_cost`` where something speaks against it; ``log_odds_nothing`` for nothing; ``log_odds_nothing``
-        plus or minus ``log_odds_unlisted`` for an effect outside the catalogue.
+        They are the softmax of log-odds: ``evidence_slope`` times the evidence beyond what the candidate needs, over
+        `growth`, less ``objection_cost`` where something speaks against it; ``log_odds_nothing`` for nothing;
+        ``log_odds_nothing`` plus or minus ``log_odds_unlisted`` for an effect outside the catalogue.
 
         Parameters
         ----------
         beyond : (c,)
-            Evidence of each candidate less the evidence that it needs.
+            Evidence of each candidate less the evidence that it needs, over its growth.
         is_objected : (c,) bool
             Whether the candidate has an objection, or is a pair of which one effect suffices.
         is_left : bool

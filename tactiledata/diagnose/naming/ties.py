@@ -39,6 +39,36 @@ class Tie:
     error: float
 
 
+def special_case_of(
+    best: ScoredCandidate, ranked: Sequence[ScoredCandidate], metric: RandomEffects, thresholds: DecisionThresholds
+) -> ScoredCandidate:
+    """Return the special case of the best single effect that explains the data about as well; else the best one.
+
+    A special case has fewer numbers, and what it changes the best effect could change as well (cosine above ``tie``).
+    Errors of the simulation only ever speak for the wider effect, so that a lead within ``tie_margin`` is no reason
+    for it.
+
+    Parameters
+    ----------
+    best : ScoredCandidate
+        The single effect without objections that has most evidence beyond what it needs.
+    ranked : sequence of ScoredCandidate
+        All single effects, in the order of their evidence beyond what they need.
+    metric : RandomEffects
+        Metric of the plain fit.
+    thresholds : DecisionThresholds
+        What a claim needs.
+    """
+    for one in ranked:
+        margin = thresholds.tie_margin(best.evidence, (*best.names, *one.names))
+        if best.beyond(thresholds) - one.beyond(thresholds) > margin or one.objections(thresholds):
+            continue
+        is_narrower = len(one.fit.model.coordinates) < len(best.fit.model.coordinates)
+        if is_narrower and best_imitation(metric, one.fit.effect_change, best.fit.effect_fields) > thresholds.tie:
+            return one
+    return best
+
+
 def ties_of_one(
     best: ScoredCandidate,
     ranked: Sequence[ScoredCandidate],
@@ -70,7 +100,8 @@ def ties_of_one(
         for other in ranked
         if other.label != best.label
         and not other.implausible
-        and best.beyond(thresholds) - other.beyond(thresholds) <= thresholds.tie_margin(best.evidence)
+        and best.beyond(thresholds) - other.beyond(thresholds)
+        <= thresholds.tie_margin(best.evidence, (*best.names, *other.names))
     ]
     if not others:
         return ()
@@ -108,7 +139,8 @@ def ties_of_two(
     ties = []
     for kept, substitute in substitutes:
         apart = best.gains - substitute.gains
-        is_beaten = best.evidence - substitute.evidence > thresholds.tie_margin(best.evidence - kept.evidence)
+        margin = thresholds.tie_margin(best.evidence - kept.evidence, (*best.names, *substitute.names))
+        is_beaten = best.evidence - substitute.evidence > margin
         cosine_possible = best_imitation(kept.fit.metric, best.fit.effect_change, substitute.fit.effect_fields)
         is_needless = _is_needlessly_wide(substitute, best, cosine_possible, thresholds)
         if substitute.objections(thresholds) or is_beaten or is_needless:
@@ -130,4 +162,5 @@ def _is_needlessly_wide(
         Cosine of what the best changes with the nearest change that the other could make.
     """
     is_wider = cosine_possible > thresholds.tie and len(other.fit.model.coordinates) > len(best.fit.model.coordinates)
-    return is_wider and best.evidence - other.evidence > thresholds.special_case_evidence
+    least = thresholds.special_case_evidence * thresholds.growth((*best.names, *other.names))
+    return is_wider and best.evidence - other.evidence > least

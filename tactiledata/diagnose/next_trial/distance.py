@@ -90,16 +90,14 @@ class TrialRows:
     ----------
     white : WhitenedTouches
         The trial's touches.
-    numerical : (n, 6, e)
-        Whitened changes by the errors of the simulation: those of each indenter, by name, then the common ones.
     columns : (e,) int
-        Place of each error among those of the recorded data; indenters that were not recorded follow after these.
+        Place of each of the trial's errors of the simulation among those of the recorded data; indenters that were not
+        recorded follow after these.
     errors, recorded : int
         Number of errors of the simulation in all, and in the recorded data.
     """
 
     white: WhitenedTouches
-    numerical: Array
     columns: NDArray[np.int64]
     errors: int
     recorded: int
@@ -109,13 +107,12 @@ class TrialRows:
         """Return the whitened frames of a trial, with the errors of the simulation that the recorded data have."""
         errors: NumericalErrors = recorded.errors
         white = WhitenedTouches.of(trial, errors)
-        numerical = white.simulation_error_fields(trial.touches[0].touch.material)
         place_of = {(error.what, error.indenter): place for place, error in enumerate(recorded.simulation_errors)}
         known = len(place_of)
         for error in white.simulation_errors:
             place_of.setdefault((error.what, error.indenter), len(place_of))
         columns = np.array([place_of[error.what, error.indenter] for error in white.simulation_errors])
-        return TrialRows(white, numerical, columns, len(place_of), known)
+        return TrialRows(white, columns, len(place_of), known)
 
     def model(self, fit: JointFit, vector: Array) -> JointModel:
         """Return the model of a fit in the trial, at a vector of the fit's numbers and of all errors."""
@@ -126,8 +123,8 @@ class TrialRows:
 
     def residual(self, model: JointModel) -> Array:
         """Return the whitened residual (n, 6) of a model against the wrenches of the plain simulation."""
-        predicted = self.white.touch_set.play(model.material, model.settings, model.offsets)
-        return self.white.residual(predicted) - self.numerical @ model.errors
+        predicted = self.white.touch_set.simulate(model.material, model.settings, model.offsets)
+        return self.white.residual(self.white.erred(predicted, model.errors))
 
     def vector(self, fit: JointFit) -> Array:
         """Return a fit's numbers, with zeros for errors of the simulation that only the trial has."""
@@ -135,7 +132,7 @@ class TrialRows:
 
     def slopes(self, fit: JointFit, model: JointModel) -> tuple[Array, RandomEffects]:
         """Return the whitened change (n, 6, q) over the numbers of `vector`, and the metric of noise and offsets."""
-        there = joint_fit(self.white, self.numerical, model, rounds=0)
+        there = joint_fit(self.white, model, rounds=0)
         numbers = 3 + len(fit.model.coordinates)
         wide = np.zeros((len(there.own), 6, numbers + self.errors))
         wide[:, :, :numbers] = there.shared[:, :, :numbers]

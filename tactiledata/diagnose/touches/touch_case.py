@@ -111,6 +111,21 @@ class PlayedContact(NamedTuple):
     balance: Balance | None
 
 
+class Simulated(NamedTuple):
+    """Simulated wrenches of trajectories, and the friction that they met.
+
+    Parameters
+    ----------
+    wrench : (N, 6) N, N m
+        What the sensor would read in all frames, one trajectory after the other.
+    friction : (N,)
+        Friction coefficient in each frame, effects on it included.
+    """
+
+    wrench: Array
+    friction: Array
+
+
 @dataclass(frozen=True)
 class Played:
     """Simulated trajectories, with the gel solutions from which those of similar materials are found faster.
@@ -119,11 +134,14 @@ class Played:
     ----------
     wrench : (N, 6) N, N m
         What the sensor would read in all frames, one trajectory after the other.
+    friction : (N,)
+        Friction coefficient in each frame, effects on it included.
     contacts : dict, number of a trajectory -> PlayedContact
         Gel solution of each trajectory.
     """
 
     wrench: Array
+    friction: Array
     contacts: Mapping[int, PlayedContact]
 
 
@@ -204,9 +222,19 @@ class TouchSet:
         UsageError
             Gel and springs find no balance, or an effect needs a covariate that a touch does not have.
         """
+        return self.simulate(material, settings, offsets, near).wrench
+
+    def simulate(
+        self,
+        material: GelMaterial,
+        settings: Sequence[EffectSetting],
+        offsets: Array | None = None,
+        near: Played | None = None,
+    ) -> Simulated:
+        """Return what the sensor would read, with the friction of each frame; parameters and errors as of `play`."""
         simulator = with_effects(self.base(material), settings)
-        numbers = range(len(self.touches))
-        return np.concatenate([self._read(number, simulator, material, offsets, near) for number in numbers])
+        parts = [self._read(number, simulator, material, offsets, near) for number in range(len(self.touches))]
+        return Simulated(*(np.concatenate(rows) for rows in zip(*parts, strict=True)))
 
     def played(self, material: GelMaterial, settings: Sequence[EffectSetting], offsets: Array | None = None) -> Played:
         """Return what the sensor would read, with the gel solutions from which others can start; see `play`.
@@ -220,18 +248,17 @@ class TouchSet:
         offsets : (t,) m, optional
             By how much each trajectory is deeper than recorded.
         """
-        wrench = self.play(material, settings, offsets)
-        return Played(wrench, dict(self._contacts))
+        return Played(*self.simulate(material, settings, offsets), dict(self._contacts))
 
-    def play_where(
+    def simulate_where(
         self,
         changed: EffectSetting,
         before: Played,
         material: GelMaterial,
         settings: Sequence[EffectSetting],
         offsets: Array | None = None,
-    ) -> Array:
-        """Return what the sensor would read (N, 6) after one setting has changed; other trajectories are not replayed.
+    ) -> Simulated:
+        """Return what the sensor would read after one setting has changed; other trajectories are not replayed.
 
         Parameters
         ----------
@@ -248,24 +275,24 @@ class TouchSet:
         """
         simulator = with_effects(self.base(material), settings)
         ends = np.cumsum(self.counts)
-        wrench = before.wrench.copy()
+        found = Simulated(before.wrench.copy(), before.friction.copy())
         for number, case in enumerate(self.touches):
             if changed.acts_on(case.touch):
                 rows = slice(ends[number] - len(case.touch), ends[number])
-                wrench[rows] = self._read(number, simulator, material, offsets, before)
-        return wrench
+                found.wrench[rows], found.friction[rows] = self._read(number, simulator, material, offsets, before)
+        return found
 
     def _read(
         self, number: int, simulator: Simulator, material: GelMaterial, offsets: Array | None, near: Played | None
-    ) -> Array:
-        """Return what the sensor would read (n, 6) in one trajectory; gel solutions of the same request serve again."""
+    ) -> Simulated:
+        """Return what the sensor would read in one trajectory; gel solutions of the same request serve again."""
         if offsets is not None and offsets[number] != 0.0:
             simulator = simulator.with_effects([EffectSetting("mount_offset", {"deeper": float(offsets[number])})])
         request = material, in_contact(simulator.active(self.touches[number].touch))
         # the same request as the near one: its solution is used, and effects of time and sensor are applied to it
         there = near.contacts[number] if near is not None else None
         if there is not None and there.request == request:
-            return simulator.read(there.state).wrench
+            return _simulated(simulator.read(there.state))
         # the same request and start as the last one: the cached solution serves
         start_balance = there.balance if there is not None else None
         last = self._contacts.get(number)
@@ -274,7 +301,7 @@ class TouchSet:
                 request, start_balance, *simulator.contact_near(self._touch(number, material), start_balance)
             )
             self._contacts[number] = last
-        return simulator.read(last.state).wrench
+        return _simulated(simulator.read(last.state))
 
     def _touch(self, number: int, material: GelMaterial) -> Touch:
         """Return one trajectory on a gel; the last object, with its cached properties, where the gel is the same."""
@@ -286,3 +313,8 @@ class TouchSet:
     def _contacts(self) -> dict[int, PlayedContact]:
         """Last gel solution of each trajectory: effects of time and sensor ask for the same one again."""
         return {}
+
+
+def _simulated(state: TouchState) -> Simulated:
+    """Return what the sensor reads in a state, and the friction in it."""
+    return Simulated(state.wrench, state.touch.material.friction * state.friction)

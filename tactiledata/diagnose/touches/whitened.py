@@ -14,14 +14,14 @@ from functools import cached_property
 import numpy as np
 
 from tactiledata.arrays import Array, Indices, Mask
+from tactiledata.diagnose.touches.error_wrenches import ErrorFrames
 from tactiledata.diagnose.touches.own_errors import OwnErrors
 from tactiledata.diagnose.touches.simulation_errors import (
     ErrorDirection,
     NumericalErrors,
     error_list,
-    error_wrenches,
 )
-from tactiledata.diagnose.touches.touch_case import TouchSet
+from tactiledata.diagnose.touches.touch_case import Played, Simulated, TouchSet
 from tactiledata.effects.simulate.setting import EffectSetting
 from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.nuisance.low_rank import low_rank_core, low_rank_power, low_rank_product
@@ -249,15 +249,26 @@ class WhitenedTouches:
         settings : sequence of EffectSetting
             Effects of the simulation.
         """
-        return error_wrenches(
-            self.errors,
-            np.nan_to_num(self.touch_set.play(material, settings, offsets)),
-            np.concatenate([case.touch.poses for case in self.touch_set.touches]),
-            material.friction,
-            self.indenter_names,
-            self.indenter[self.trajectory],
-            self.starts,
-        )
+        return self.error_frames.wrenches(*self.touch_set.simulate(material, settings, offsets))
+
+    def erred(self, simulated: Simulated | Played, errors: Array) -> Array:
+        """Return simulated wrenches (N, 6), N and N m, with the simulation's own errors; as they are without any.
+
+        Parameters
+        ----------
+        simulated : Simulated or Played
+            Simulated wrenches, and the friction that they met.
+        errors : (e,)
+            Errors in their standard deviations, in the order of `simulation_errors`; empty where there are none.
+        """
+        wrench = simulated.wrench
+        return self.error_frames.erred(wrench, simulated.friction, errors) if len(errors) else wrench
+
+    @cached_property
+    def error_frames(self) -> ErrorFrames:
+        """The frames, at which the simulation errs."""
+        poses = np.concatenate([case.touch.poses for case in self.touch_set.touches])
+        return ErrorFrames(self.errors, poses, self.indenter_names, self.indenter[self.trajectory], self.starts)
 
     @property
     def indenter_names(self) -> list[str]:

@@ -77,7 +77,7 @@ def _with_own_offsets(part: WhitenedTouches, model: JointModel, numerical: Array
     offsets = model.offsets
     for _ in range(ROUNDS):
         played = part.touch_set.played(material, settings, offsets)
-        own = own_field(part, material, settings, offsets, played)
+        own = own_field(part, material, settings, offsets, played, np.zeros(0))
         squares = 1.0 + np.add.reduceat(np.einsum("nk,nk->n", own, own), part.starts)
         steps = offset_steps(own, part.residual(played.wrench + errors), part.starts, squares, offsets / PRIOR)
         offsets = np.clip(offsets + PRIOR * steps, -FARTHEST, FARTHEST)

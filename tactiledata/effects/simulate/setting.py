@@ -74,6 +74,12 @@ class EffectSetting:
         """Return the state with the effect; the very same object where the setting does not act on the touch."""
         return state if self.is_null or not self.acts_on(state.touch) else self.member.applied(state, self.values)
 
+    def weakened(self, share: float) -> EffectSetting:
+        """Return the setting with a share of its strengths; its shape parameters stay."""
+        nulls = {one.name: one.null for one in self.member.parameters if one.null is not None}
+        weak = {name: nulls[name] + share * (self.values[name] - nulls[name]) for name in nulls}
+        return EffectSetting(self.effect, {**self.values, **weak}, self.where)
+
     @property
     def place(self) -> str:
         """Values to which the setting is restricted, in words; empty where it acts on all touches."""

@@ -10,7 +10,6 @@ from tactiledata.diagnose.answer.sentences import Answer
 from tactiledata.diagnose.naming.full_plays import FullPlay, named_with_full_plays
 from tactiledata.diagnose.naming.name_effects import NamingResult, name_effects
 from tactiledata.diagnose.naming.options import NamingOptions
-from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
 from tactiledata.diagnose.touches.grid_answer import TouchPlays
 from tactiledata.diagnose.touches.played_response import PlayedFamily
 from tactiledata.diagnose.touches.touch_case import TouchSet
@@ -113,5 +112,5 @@ def named_world(
 
     if not in_full:
         return NamedWorld(recorded, touch_set, name(play(frozenset())), ())
-    _, naming, full_plays = named_with_full_plays(play, name, DEFAULT_THRESHOLDS)
+    _, naming, full_plays = named_with_full_plays(play, name)
     return NamedWorld(recorded, touch_set, naming, full_plays)

@@ -130,6 +130,9 @@ class ScoredCase:
         label = max(shares, key=lambda key: shares[key])
         if self.kind == OUTSIDE:
             return float(shares[label]), label == OTHER
+        if self.kind == NULLS:
+            # errors of the solver are in no catalogue: that they are there is true
+            return float(shares[label]), label in (NONE, OTHER)
         # weaker than what can be seen counts as nothing
         weak = self.kind == DRAWN and self.signal < LEAST_SIGNAL
         right = {NONE} if not self.truth or weak else {" + ".join(sorted(self.truth))}

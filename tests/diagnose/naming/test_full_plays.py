@@ -34,7 +34,8 @@ class Touches:
 
 
 def naming(scored, claimed=(), ties=()):
-    return SimpleNamespace(scored=list(scored), decision=SimpleNamespace(claimed=claimed, ties=ties))
+    decision = SimpleNamespace(claimed=claimed, ties=ties)
+    return SimpleNamespace(scored=list(scored), decision=decision, thresholds=T)
 
 
 def run(answers):
@@ -47,7 +48,7 @@ def run(answers):
 
     told = []
     played, found, closer = named_with_full_plays(
-        play, lambda _: answers[min(len(asked), len(answers)) - 1], T, told.append
+        play, lambda _: answers[min(len(asked), len(answers)) - 1], told.append
     )
     # the first answer is told once, if and only if it is not the last one
     assert told == (answers[:1] if len(asked) > 1 else [])
@@ -113,5 +114,5 @@ def test_what_was_played_already_is_not_played_again():
         return Touches(full, by_estimate=frozenset())
 
     answer = naming([of_thickness(5.0)], claimed=("thickness",))
-    _, found, closer = named_with_full_plays(play, lambda _: answer, T)
+    _, found, closer = named_with_full_plays(play, lambda _: answer)
     assert (asked, found, closer) == ([frozenset()], answer, ())

@@ -1,12 +1,17 @@
 """When a joint fit ends: at its own best, or far behind another explanation that it cannot reach any more."""
 
+import dataclasses
+
+import numpy as np
 import pytest
 from tied_worlds import START, effect, recorded
 
 from tactiledata.diagnose.naming import joint_fit as module
-from tactiledata.diagnose.naming.joint_fit import joint_fit
+from tactiledata.diagnose.naming.joint_fit import joint_fit, plain_fit
 from tactiledata.diagnose.naming.linearise import Linearised
 from tactiledata.diagnose.naming.parameters import joint_model
+from tactiledata.diagnose.naming.screen import screen
+from tactiledata.diagnose.naming.signatures import effect_signatures
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
 
 
@@ -14,15 +19,14 @@ from tactiledata.diagnose.touches.whitened import WhitenedTouches
 def fitting():
     """fit(settings, to_beat): of touches of a gel that relaxes, and how many rounds it took."""
     white = WhitenedTouches.of(recorded(effect("relaxation", share=0.4, time=1.0), touches=8, slide=1e-3))
-    numerical = white.simulation_error_fields(START)
 
     def fit(settings, **to_beat):
-        start = joint_model(START, settings, len(white.starts), numerical.shape[2])
+        start = joint_model(START, settings, len(white.starts), len(white.simulation_errors))
         rounds = []
         with pytest.MonkeyPatch.context() as patch:
             slopes = Linearised.slopes
             patch.setattr(Linearised, "slopes", lambda self, *at: rounds.append(1) or slopes(self, *at))
-            found = joint_fit(white, numerical, start, **to_beat)
+            found = joint_fit(white, start, **to_beat)
         return found, len(rounds)
 
     return fit
@@ -52,3 +56,43 @@ def test_what_is_near_or_may_come_near_is_led_to_its_end(fitting):
     whole, many = fitting(start)
     again, rounds = fitting(start, to_beat=whole.cost)
     assert (again.cost, rounds) == (whole.cost, many)
+
+
+@pytest.fixture(scope="module")
+def late():
+    """Touches whose force sensor lags by 20 ms, with noise, and the plain fit to them."""
+    turn = effect("lag", delay=0.02)
+    white = WhitenedTouches.of(recorded(turn, touches=8, slide=1e-3))
+    noise = np.random.default_rng(0).normal(size=white.measured.shape)
+    rows = np.split(noise, white.starts[1:])
+    cases = [
+        dataclasses.replace(case, measured=case.measured + one * case.noise.deviations)
+        for case, one in zip(white.touch_set.touches, rows, strict=True)
+    ]
+    white = WhitenedTouches.of(dataclasses.replace(white.touch_set, touches=cases))
+    return white, plain_fit(white, START)
+
+
+def test_a_fit_stands_where_the_cost_is_least(late):
+    """Moved by one deviation either way, E and every error of the simulation raise the cost by one."""
+    white, fit = late
+    work = Linearised(white, frozenset())
+    curvature = np.einsum("nkq,nkq->q", fit.shared, fit.shared) + fit.precision
+    for entry in (0, *range(3, len(curvature))):
+        step = 1.0 / np.sqrt(curvature[entry])
+        for way in (-step, step):
+            vector = fit.model.vector.copy()
+            vector[entry] += way
+            rise = work.evaluate(fit.model.at(vector, fit.model.offsets)).cost - fit.cost
+            assert rise == pytest.approx(1.0, abs=0.2), (entry, rise)
+
+
+def test_a_refit_reaches_what_the_screen_promises(late):
+    """The cost falls by the score of a small effect: nothing on the way is lost."""
+    white, base = late
+    signatures = effect_signatures(white, base.model.material, ["lag"], offsets=base.model.offsets)
+    (promised,) = screen(base.metric, base.residual_at_centre, signatures)
+    start = joint_model(base.model.material, promised.starts[0], len(white.starts), len(base.model.errors))
+    found = joint_fit(white, start)
+    assert promised.score > 40.0
+    assert base.cost - found.cost == pytest.approx(promised.score, rel=0.1)

@@ -36,11 +36,10 @@ def shifted():
         for case, part, one in zip(plain.touches, rows, drawn, strict=True)
     ]
     white = WhitenedTouches.of(TouchSet(cases, plain.base))
-    numerical = white.simulation_error_fields(START)
 
     def fit(offsets):
-        model = joint_model(START, [], len(white.starts), numerical.shape[2])
-        return joint_fit(white, numerical, model.at(model.vector, offsets))
+        model = joint_model(START, [], len(white.starts), len(white.simulation_errors))
+        return joint_fit(white, model.at(model.vector, offsets))
 
     return white, fit
 
@@ -82,7 +81,7 @@ def test_the_costs_of_trajectories_are_their_part_of_the_whole(shifted):
     """The costs that decide which offset moves less add up, with the priors of shared numbers, to the whole cost."""
     white, fit = shifted
     found = fit(OFFSETS)
-    work = Linearised(white, found.simulation_error_fields, frozenset())
+    work = Linearised(white, frozenset())
     state = work.evaluate(found.model)
     shared = work.precision(found.model) @ (found.model.vector - work.centre(found.model)) ** 2
     assert work.costs(found.model, state.residual).sum() + shared == pytest.approx(state.cost)

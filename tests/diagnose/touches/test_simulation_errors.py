@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
+from tactiledata.diagnose.touches.error_wrenches import ErrorFrames
 from tactiledata.diagnose.touches.simulation_errors import (
     FAMILIES,
     KINDS,
     NumericalErrors,
     error_list,
-    error_wrenches,
 )
 
 ERRORS = NumericalErrors(shape=0.05, law=0.03, shear=0.04, centre=5e-5)
@@ -40,7 +40,8 @@ def poses(tips=TIPS, lean=LEAN):
 def fields(forces=FORCES, names=("ball",), owner=None, errors=ERRORS, starts=(0,), tips=TIPS, lean=LEAN):
     """Fields (n, 6, e) of forces at the tips."""
     owner = np.zeros(len(forces), dtype=np.int64) if owner is None else np.asarray(owner)
-    return error_wrenches(errors, at_tips(forces, tips), poses(tips, lean), FRICTION, names, owner, np.asarray(starts))
+    frames = ErrorFrames(errors, poses(tips, lean), names, owner, np.asarray(starts))
+    return frames.wrenches(at_tips(forces, tips), np.full(len(forces), FRICTION))
 
 
 def moved(ways):
@@ -51,7 +52,7 @@ def moved(ways):
 def expected():
     """Every kind of error of size 1, in words: force, growth and shear as numpy has them."""
     size = np.linalg.norm(FORCES, axis=1)
-    growth = np.log(size) - np.log(size).mean()
+    growth = np.log(size) - np.average(np.log(size), weights=size)
     shear, load = FORCES * [1.0, 1.0, 0.0], FORCES[:, 2]
     whole = at_tips(FORCES)
 
@@ -65,7 +66,7 @@ def expected():
     return {
         "all forces": whole,
         "the growth of force with depth": whole * growth[:, None],
-        "the curve of force over depth": whole * (growth**2 - (growth**2).mean())[:, None],
+        "the curve of force over depth": whole * (growth**2 - np.average(growth**2, weights=size))[:, None],
         "force while it is taken off": whole * UNLOADED[:, None],
         "normal force under shear": pushed,
         "shear that sticks": of(stuck),
@@ -160,11 +161,12 @@ def test_growth_in_common_is_about_the_force_of_all_and_that_of_an_indenter_abou
     labels = [error.label for error in listed]
     own, common = (found[:, 2, labels.index(f"the growth of force with depth{of}")] for of in (" of bar", ""))
     size = np.linalg.norm(FORCES, axis=1)
-    about = np.log(size / np.exp(np.log(size).mean()))
+    about = np.log(size) - np.average(np.log(size), weights=size)
     assert own[3:] == pytest.approx(ERRORS.law * 3.0 * FORCES[:, 2] * about)
-    shift = 0.5 * np.log(3.0)
-    assert common[:3] == pytest.approx(ERRORS.law * FORCES[:, 2] * (about - shift))
-    assert common[3:] == pytest.approx(ERRORS.law * 3.0 * FORCES[:, 2] * (about + shift))
+    # frames are weighted by their force: three quarters of all force are under the second indenter
+    below, above = 0.75 * np.log(3.0), 0.25 * np.log(3.0)
+    assert common[:3] == pytest.approx(ERRORS.law * FORCES[:, 2] * (about - below))
+    assert common[3:] == pytest.approx(ERRORS.law * 3.0 * FORCES[:, 2] * (about + above))
 
 
 def test_errors_scale_with_the_forces():
@@ -179,6 +181,27 @@ def test_free_air_has_no_error():
     assert not found[2].any()
     np.testing.assert_allclose(found[[0, 1, 3]], fields(), atol=1e-12)
     assert not fields(np.zeros((3, 3))).any()
+
+
+def test_a_contact_that_hardly_begins_changes_no_error():
+    """A frame with a force of rounding errors has no part in the typical force of the others."""
+    forces, tips = np.vstack([FORCES[:2], [0.0, 0.0, 1e-17], FORCES[2:]]), np.vstack([TIPS[:2], np.zeros(3), TIPS[2:]])
+    found = fields(forces, tips=tips, lean=np.insert(LEAN, 2, 0.3))
+    np.testing.assert_allclose(found[[0, 1, 3]], fields(), atol=1e-12)
+
+
+def test_erred_wrenches_are_the_sum_of_all_errors():
+    """Beside the simulated ones, whose unknown components stay unknown."""
+    names, owner = ("ball", "bar"), np.repeat([0, 1], 3)
+    simulated = at_tips(np.vstack([FORCES, 3.0 * FORCES]), np.vstack([TIPS, TIPS]))
+    frames = ErrorFrames(ERRORS, poses(np.vstack([TIPS, TIPS]), np.tile(LEAN, 2)), names, owner, np.array([0, 3]))
+    friction = np.full(6, FRICTION)
+    wrenches = frames.wrenches(simulated, friction)
+    errors = np.random.default_rng(0).normal(size=wrenches.shape[2])
+    np.testing.assert_allclose(frames.erred(simulated, friction, errors), simulated + wrenches @ errors, atol=1e-12)
+    simulated[:, 5] = np.nan
+    assert np.isnan(frames.erred(simulated, friction, errors)[:, 5]).all()
+    assert np.isfinite(frames.erred(simulated, friction, errors)[:, :5]).all()
 
 
 @pytest.mark.parametrize("indenter", ["ball", ""])

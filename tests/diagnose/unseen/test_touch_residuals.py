@@ -14,8 +14,7 @@ EFFECTS = ("quantisation", "clipping", "lag")
 def test_every_size_of_an_effect_is_compared():
     """An effect that acts from a threshold on has a field of changes for each size that is tried; others have one."""
     white = WhitenedTouches.of(null(3000, trajectories=4))
-    errors = white.simulation_error_fields(START)
-    fit = joint_fit(white, errors, joint_model(START, [], 4, errors.shape[2]))
+    fit = joint_fit(white, joint_model(START, [], 4, len(white.simulation_errors)))
     taken = {
         (signature.effect, *signature.shapes.values(), strength.label, float(size))
         for signature in effect_signatures(white, fit.model.material, EFFECTS, (), fit.model.offsets)
