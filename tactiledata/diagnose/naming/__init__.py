@@ -5,8 +5,8 @@ Read in this order:
 1. `strength`, `parameters`: the numbers of an effect; everything that one fit determines, as a vector.
 2. `metric`: how far two changes of the data are alike, once what a refit could imitate is taken out of both.
 3. `signatures`: what each effect would change. `screen`: how much of the residual it would explain, without a refit.
-4. `linearise`, `joint_fit`: the fit of E, nu and mu, effects and all nuisance parameters together. A fit is settled
-   when its errors of the simulation, which are shares of simulated forces, are those about itself.
+4. `linearise`, `joint_fit`: the fit of E, nu and mu, effects and all nuisance parameters together. Errors of the
+   simulation are shares of simulated forces, and move with them in a fit.
    `error_sizes`: how large these errors are, for each indenter, from the data at hand.
    `own_error_sizes`: how large those of single touches are, and which touches do not belong to the others; these
    stay in the fit and are named.

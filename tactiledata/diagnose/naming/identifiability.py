@@ -13,7 +13,14 @@ import numpy as np
 
 from tactiledata.arrays import Array
 from tactiledata.diagnose.naming.metric import RandomEffects, cosines
-from tactiledata.diagnose.naming.signatures import Signature, effect_signatures, nuisance, playable
+from tactiledata.diagnose.naming.signatures import (
+    Signature,
+    effect_signatures,
+    material_fields,
+    material_precision,
+    own_field,
+    playable,
+)
 from tactiledata.diagnose.naming.strength import Strength
 from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS, DecisionThresholds
 from tactiledata.diagnose.touches.simulation_errors import NumericalErrors
@@ -202,3 +209,14 @@ def identifiability_of(
         not_told,
         tuple(name for name in names if name not in with_signature),
     )
+
+
+def nuisance(whitened: WhitenedTouches, material: GelMaterial) -> RandomEffects:
+    """Return the metric of the plain simulation at a material: what a refit or its errors imitate counts as 0."""
+    before = whitened.touch_set.played(material, [])
+    none = np.zeros(0)
+    own = own_field(whitened, material, [], np.zeros(len(whitened.starts)), before, none)
+    errors = whitened.simulation_error_fields(material)
+    shared = np.concatenate([material_fields(whitened, material, [], None, before, none), errors], axis=2)
+    precision = np.concatenate([material_precision(), np.ones(errors.shape[2])])
+    return RandomEffects(own, shared, precision, whitened.starts)

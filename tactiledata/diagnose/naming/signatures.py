@@ -10,7 +10,6 @@ import numpy as np
 
 from tactiledata.arrays import Array, Mask
 from tactiledata.calibrate.bounds import Bounds, find_bounds
-from tactiledata.diagnose.naming.metric import RandomEffects
 from tactiledata.diagnose.naming.strength import Strength, set_at
 from tactiledata.diagnose.touches.touch_case import Played
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
@@ -346,14 +345,3 @@ def material_precision() -> Array:
     """
     half = 0.5 * float(find_bounds("wide").span[1])
     return np.array([0.0, half**-2, 0.0])
-
-
-def nuisance(whitened: WhitenedTouches, material: GelMaterial) -> RandomEffects:
-    """Return the metric of the plain simulation at a material: what a refit or its errors imitate counts as 0."""
-    before = whitened.touch_set.played(material, [])
-    none = np.zeros(0)
-    own = own_field(whitened, material, [], np.zeros(len(whitened.starts)), before, none)
-    errors = whitened.simulation_error_fields(material)
-    shared = np.concatenate([material_fields(whitened, material, [], None, before, none), errors], axis=2)
-    precision = np.concatenate([material_precision(), np.ones(errors.shape[2])])
-    return RandomEffects(own, shared, precision, whitened.starts)

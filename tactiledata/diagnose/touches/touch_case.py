@@ -231,7 +231,13 @@ class TouchSet:
         offsets: Array | None = None,
         near: Played | None = None,
     ) -> Simulated:
-        """Return what the sensor would read, with the friction of each frame; parameters and errors as of `play`."""
+        """Return what the sensor would read, with the friction of each frame; errors as of `play`.
+
+        Parameters
+        ----------
+        material, settings, offsets, near
+            See `play`.
+        """
         simulator = with_effects(self.base(material), settings)
         parts = [self._read(number, simulator, material, offsets, near) for number in range(len(self.touches))]
         return Simulated(*(np.concatenate(rows) for rows in zip(*parts, strict=True)))

@@ -9,12 +9,12 @@ from touch_worlds import PLANTS, START, base, null, world_cases
 import tactiledata
 from tactiledata.contract.schema import load_schema
 from tactiledata.diagnose.answer.sentences import Answer
-from tactiledata.diagnose.naming.identifiability import identifiability_of
+from tactiledata.diagnose.naming.identifiability import identifiability_of, nuisance
 from tactiledata.diagnose.naming.joint_fit import joint_fit
 from tactiledata.diagnose.naming.name_effects import name_effects
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.naming.parameters import joint_model
-from tactiledata.diagnose.naming.signatures import effect_signatures, nuisance
+from tactiledata.diagnose.naming.signatures import effect_signatures
 from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
 from tactiledata.diagnose.touches.simulation_errors import NumericalErrors
 from tactiledata.diagnose.touches.touch_case import TouchSet
