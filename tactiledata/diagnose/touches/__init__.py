@@ -13,7 +13,8 @@ Read in this order:
 5. `friction_history`: shear that depends on earlier frames, where friction changes from frame to frame or the path is
    another than recorded. `played_response`: all of this together, as the base simulation on which effects act.
 6. `own_errors`: errors that one trajectory has by itself. `simulation_errors`: the directions in which the simulation
-   may err. `error_wrenches`: these as wrenches at the frames. `whitened`: the trajectories in units of the noise, with both kinds of errors.
+   may err. `error_wrenches`: these as wrenches at the frames. `whitened`: the trajectories in units of the noise, with
+   both kinds of errors.
 7. `covariates`: depth, speed, time and others in each frame, and the phase of the touch.
 
 Of `diagnose`, this folder imports `residuals` only, for covariates and running maxima. A store is passed in as a
