@@ -12,7 +12,7 @@ SCHEDULER_HELP = "Address of a Dask scheduler whose workers do the work, in plac
 
 def workers_option(prefix: str = "") -> Any:
     """Return the option ``--workers``; ``prefix`` begins its help."""
-    return typer.Option(1, "--workers", min=1, help=prefix + WORKERS_HELP)
+    return typer.Option(1, "--workers", help=prefix + WORKERS_HELP)
 
 
 def scheduler_option(prefix: str = "") -> Any:

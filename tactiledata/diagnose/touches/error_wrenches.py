@@ -29,6 +29,9 @@ class ErrorFrames:
     ----------
     errors : NumericalErrors
         Sizes.
+    measured : (N, 6) N, N m
+        Measured wrenches; not a number where unknown. Errors are shares of forces as large as these: a gel that is
+        stiffer than the real one must not make them cheaper.
     poses : (N, 4, 4) m
         gel_from_indenter.
     names : list of i str
@@ -40,6 +43,7 @@ class ErrorFrames:
     """
 
     errors: NumericalErrors
+    measured: Array
     poses: Array
     names: Sequence[str]
     owner: Indices
@@ -103,7 +107,18 @@ class ErrorFrames:
         of_each = _directions(contact, *self._growth(simulated, self.owner, len(self.names)), unloaded)
         of_all = _directions(contact, *self._growth(simulated, np.zeros_like(self.owner), 1), unloaded)
         common = [unit for unit, kind in zip(of_all, KINDS, strict=True) if kind.is_common]
-        return np.stack(of_each, axis=2), np.stack(common, axis=2)
+        own, all_alike = (
+            self._scale(simulated, owner, count)[:, None, None]
+            for owner, count in ((self.owner, len(self.names)), (np.zeros_like(self.owner), 1))
+        )
+        return np.stack(of_each, axis=2) * own, np.stack(common, axis=2) * all_alike
+
+    def _scale(self, simulated: Array, owner: Indices, count: int) -> Array:
+        """Return the factor (N,) that makes the simulated forces of each row's group as large as the measured ones."""
+        size, real = (np.linalg.norm(wrench[:, :3], axis=1) for wrench in (simulated, self.measured))
+        known = np.isfinite(real)
+        products, squares = (np.bincount(owner[known], weights[known], count) for weights in (size * real, size**2))
+        return np.asarray(np.divide(products, squares, out=np.ones(count), where=squares > 0)[owner])
 
     def _growth(self, simulated: Array, owner: Indices, count: int) -> tuple[Array, Array]:
         """Return the logarithm (N,) of the force over the typical one of the row's group, and its square's excess (N,).

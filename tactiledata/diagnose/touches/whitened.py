@@ -267,8 +267,13 @@ class WhitenedTouches:
     @cached_property
     def error_frames(self) -> ErrorFrames:
         """The frames, at which the simulation errs."""
-        poses = np.concatenate([case.touch.poses for case in self.touch_set.touches])
-        return ErrorFrames(self.errors, poses, self.indenter_names, self.indenter[self.trajectory], self.starts)
+        measured, poses = (
+            np.concatenate(rows)
+            for rows in zip(*((case.measured, case.touch.poses) for case in self.touch_set.touches), strict=True)
+        )
+        return ErrorFrames(
+            self.errors, measured, poses, self.indenter_names, self.indenter[self.trajectory], self.starts
+        )
 
     @property
     def indenter_names(self) -> list[str]:

@@ -420,7 +420,7 @@ def test_evidence_in_proportion_to_the_data_is_never_enough():
         assert T.for_data(36, 4.0).claim(name) == T.for_data(144, 1.0).claim(name)
     # data raise what is needed by far less where errors of the simulation do not resemble the effect
     needed = T.for_data(200)
-    assert needed.claim(EASY) / T.claim(EASY) < 0.5 * needed.claim(HARD) / T.claim(HARD)
+    assert needed.claim(EASY) / T.claim(EASY) - 1.0 < 0.5 * (needed.claim(HARD) / T.claim(HARD) - 1.0)
 
 
 def test_a_number_that_shows_at_no_place_is_said_beside_those_of_its_effect_that_do():

@@ -93,6 +93,11 @@ class Offsets:
     """A model of nothing but offsets."""
 
     offsets: np.ndarray
+    vector: np.ndarray = dataclasses.field(default_factory=lambda: np.zeros(0))
+
+    def at(self, vector, offsets):
+        """The model with other numbers."""
+        return Offsets(offsets, vector)
 
 
 class Parabolas:
@@ -124,12 +129,21 @@ def test_an_offset_that_made_its_trajectory_worse_is_halved_and_the_others_keep_
     assert damping <= 1e-6
 
 
-def test_a_step_that_halving_does_not_save_is_damped():
-    """Offsets that go far too far come back by damping; where no step helps, the fit ends."""
+def test_a_step_that_halving_does_not_save_is_shortened():
+    """A part of the step is taken before the damping rises."""
     far, start = Parabolas([100.0, 1.0, 0.5]), Offsets(np.zeros(3))
+    state = far.evaluate_or_none(start)
+    model, after, damping = module._better(far, start, state, None, 1e-3)
+    assert far.dampings == [damping] == [1e-3]
+    assert after.cost <= state.cost
+    assert model.offsets[0] < 3.0
+
+
+def test_a_step_of_which_no_part_helps_is_damped():
+    """Offsets that go far too far come back by damping; where no step helps, the fit ends."""
+    far, start = Parabolas([1e4, 1.0, 0.5]), Offsets(np.zeros(3))
     state = far.evaluate_or_none(start)
     model, after, _ = module._better(far, start, state, None, 1e-3)
     assert len(far.dampings) > 1
     assert after.cost <= state.cost
-    assert model.offsets[0] < 3.0
     assert module._better(Parabolas([-3.0, -3.0, -3.0]), start, state, None, 1e-3) is None

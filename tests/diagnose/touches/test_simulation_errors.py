@@ -37,10 +37,10 @@ def poses(tips=TIPS, lean=LEAN):
     return found
 
 
-def fields(forces=FORCES, names=("ball",), owner=None, errors=ERRORS, starts=(0,), tips=TIPS, lean=LEAN):
-    """Fields (n, 6, e) of forces at the tips."""
+def fields(forces=FORCES, names=("ball",), owner=None, errors=ERRORS, starts=(0,), tips=TIPS, lean=LEAN, real=1.0):
+    """Fields (n, 6, e) of forces at the tips, where the measured forces are ``real`` times as large."""
     owner = np.zeros(len(forces), dtype=np.int64) if owner is None else np.asarray(owner)
-    frames = ErrorFrames(errors, poses(tips, lean), names, owner, np.asarray(starts))
+    frames = ErrorFrames(errors, real * at_tips(forces, tips), poses(tips, lean), names, owner, np.asarray(starts))
     return frames.wrenches(at_tips(forces, tips), np.full(len(forces), FRICTION))
 
 
@@ -174,6 +174,12 @@ def test_errors_scale_with_the_forces():
     np.testing.assert_allclose(fields(2.0 * FORCES), 2.0 * fields(), atol=1e-12)
 
 
+def test_errors_are_shares_of_forces_as_large_as_the_measured_ones():
+    """A gel that is simulated twice too stiff has no larger errors, or it would be a cheap explanation."""
+    np.testing.assert_allclose(fields(2.0 * FORCES, real=0.5), fields(), atol=1e-12)
+    np.testing.assert_allclose(fields(real=3.0), 3.0 * fields(), atol=1e-12)
+
+
 def test_free_air_has_no_error():
     """Nor does a frame without contact change the typical force of the others."""
     forces, tips = np.vstack([FORCES[:2], np.zeros(3), FORCES[2:]]), np.vstack([TIPS[:2], np.zeros(3), TIPS[2:]])
@@ -194,7 +200,9 @@ def test_erred_wrenches_are_the_sum_of_all_errors():
     """Beside the simulated ones, whose unknown components stay unknown."""
     names, owner = ("ball", "bar"), np.repeat([0, 1], 3)
     simulated = at_tips(np.vstack([FORCES, 3.0 * FORCES]), np.vstack([TIPS, TIPS]))
-    frames = ErrorFrames(ERRORS, poses(np.vstack([TIPS, TIPS]), np.tile(LEAN, 2)), names, owner, np.array([0, 3]))
+    frames = ErrorFrames(
+        ERRORS, simulated.copy(), poses(np.vstack([TIPS, TIPS]), np.tile(LEAN, 2)), names, owner, np.array([0, 3])
+    )
     friction = np.full(6, FRICTION)
     wrenches = frames.wrenches(simulated, friction)
     errors = np.random.default_rng(0).normal(size=wrenches.shape[2])
