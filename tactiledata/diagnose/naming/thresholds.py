@@ -115,6 +115,8 @@ class DecisionThresholds:
     special_case_evidence : float
         Lead in evidence from which a special case with fewer numbers is preferred to the wider effect that contains
         it: errors of the simulation only ever speak for the wider one.
+    wider_lead : float
+        Multiple of the evidence that a wider effect needs by which it must lead a special case of it to be named.
     remainder_share : float
         The second of two effects only repairs an imperfect form of the first where it adds less than this share of its
         own evidence alone and less than this share of the first one's.
@@ -154,6 +156,7 @@ class DecisionThresholds:
     outweighed: float = 1.5
     trace_share: float = 0.5
     special_case_evidence: float = 5.0
+    wider_lead: float = 2.0
     remainder_share: float = 0.6
     evidence_slope: float = 0.1
     objection_cost: float = 5.0

@@ -45,8 +45,8 @@ def special_case_of(
     """Return the special case of the best single effect that explains the data about as well; else the best one.
 
     A special case has fewer numbers, and what it changes the best effect could change as well (cosine above ``tie``).
-    Errors of the simulation only ever speak for the wider effect, so that a lead within ``tie_margin`` is no reason
-    for it.
+    Errors of the simulation only ever speak for the wider effect. It is named where it leads by more than
+    ``tie_margin``, and by more than ``wider_lead`` times the evidence that it needs by itself.
 
     Parameters
     ----------
@@ -60,7 +60,10 @@ def special_case_of(
         What a claim needs.
     """
     for one in ranked:
-        margin = thresholds.tie_margin(best.evidence, (*best.names, *one.names))
+        margin = max(
+            thresholds.tie_margin(best.evidence, (*best.names, *one.names)),
+            thresholds.wider_lead * thresholds.needed(best.names),
+        )
         if best.beyond(thresholds) - one.beyond(thresholds) > margin or one.objections(thresholds):
             continue
         is_narrower = len(one.fit.model.coordinates) < len(best.fit.model.coordinates)

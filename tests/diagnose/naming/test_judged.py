@@ -221,7 +221,7 @@ def test_a_special_case_is_said_in_place_of_the_wider_one():
 
 def test_a_special_case_is_named_where_the_wider_one_explains_hardly_more():
     """Ten numbers within the margin of a tie are no reason against three; beyond it, or of another change, they are."""
-    margin = T.tie_margin(MUCH, ())
+    margin = max(T.tie_margin(MUCH, ()), T.wider_lead * T.claim("gain_crosstalk"))
     wider = with_evidence("gain_crosstalk", MUCH, numbers=10)
     for behind, change, numbers, named in (
         (0.9, EVERYTHING, 3, "frame_rotation"),

@@ -141,9 +141,9 @@ def test_a_step_that_halving_does_not_save_is_shortened():
 
 def test_a_step_of_which_no_part_helps_is_damped():
     """Offsets that go far too far come back by damping; where no step helps, the fit ends."""
-    far, start = Parabolas([1e4, 1.0, 0.5]), Offsets(np.zeros(3))
+    far, start = Parabolas([3000.0, 1.0, 0.5]), Offsets(np.zeros(3))
     state = far.evaluate_or_none(start)
-    model, after, _ = module._better(far, start, state, None, 1e-3)
+    _, after, _ = module._better(far, start, state, None, 1e-3)
     assert len(far.dampings) > 1
     assert after.cost <= state.cost
     assert module._better(Parabolas([-3.0, -3.0, -3.0]), start, state, None, 1e-3) is None
