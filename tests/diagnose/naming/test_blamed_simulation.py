@@ -23,6 +23,12 @@ FACTOR = 0.15
 ALL_FORCES = KINDS[0].what
 
 
+def erred_forces(white, fit):
+    """Normal forces (N,) of a plain fit, with the errors of the simulation."""
+    simulated = white.touch_set.simulate(fit.model.material, [], fit.model.offsets)
+    return np.nan_to_num(white.erred(simulated, fit.model.errors))[:, 2]
+
+
 @cache
 def blamed(factor):
     """Fit to a world without physics that the simulation lacks, forces of one of four indenters times a factor.
@@ -38,9 +44,8 @@ def blamed(factor):
     ]
     white = WhitenedTouches.of(TouchSet(cases, plain.base))
     fit = plain_fit(white, START)
-    # the errors of a plain fit are those of the start
-    errors = (white.simulation_error_wrenches(START) @ fit.model.errors)[:, 2]
     force = np.nan_to_num(white.touch_set.play(fit.model.material, [], fit.model.offsets))[:, 2]
+    errors = erred_forces(white, fit) - force
     by_indenter = white.indenter[white.trajectory]
     shares = {
         name: float((errors * force)[by_indenter == number].sum() / (force**2)[by_indenter == number].sum())
@@ -69,13 +74,8 @@ def test_a_planted_factor_is_found_at_its_indenter(sign):
 def test_a_planted_factor_is_fitted(sign):
     """Simulation and errors together are the planted factor above those of the plain world: within a tenth of it."""
     one, white, plain, _ = blamed(1.0)
-    _, _, more, _ = blamed(1.0 + sign * FACTOR)
-
-    def forces(fit):
-        errors = white.simulation_error_wrenches(START) @ fit.model.errors
-        return (np.nan_to_num(white.touch_set.play(fit.model.material, [], fit.model.offsets)) + errors)[:, 2]
-
-    before, after = forces(plain), forces(more)
+    _, planted, more, _ = blamed(1.0 + sign * FACTOR)
+    before, after = erred_forces(white, plain), erred_forces(planted, more)
     for number, name in enumerate(white.indenter_names):
         rows = white.indenter[white.trajectory] == number
         gained = float((before * after)[rows].sum() / (before**2)[rows].sum()) - 1.0

@@ -88,11 +88,11 @@ def test_a_fit_stands_where_the_cost_is_least(late):
 
 
 def test_a_refit_reaches_what_the_screen_promises(late):
-    """The cost falls by the score of a small effect: nothing on the way is lost."""
+    """The cost falls by the score of a small effect, or a little more where it is not linear: nothing is lost."""
     white, base = late
     signatures = effect_signatures(white, base.model.material, ["lag"], offsets=base.model.offsets)
     (promised,) = screen(base.metric, base.residual_at_centre, signatures)
     start = joint_model(base.model.material, promised.starts[0], len(white.starts), len(base.model.errors))
     found = joint_fit(white, start)
     assert promised.score > 40.0
-    assert base.cost - found.cost == pytest.approx(promised.score, rel=0.1)
+    assert 0.95 * promised.score < base.cost - found.cost < 1.25 * promised.score
