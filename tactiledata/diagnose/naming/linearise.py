@@ -17,6 +17,8 @@ from tactiledata.nuisance.offsets import FARTHEST, PRIOR
 
 DIFFERENCE = 0.2
 """Step of the finite differences over a coordinate, in units of its scale."""
+FAINTEST = 1e-30
+"""Information on a number, as a share of the largest one, below which it counts as so much: nothing overflows."""
 FARTHEST_STEP = 3.0
 """Farthest that a coordinate moves in one round, in units of its scale: the linearisation holds no farther."""
 
@@ -221,7 +223,8 @@ def inverse_of(gram: Array) -> Array:
 
     Directions without information, below 1e-12 of the largest, are 0 in it.
     """
-    scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
+    diagonal = np.diag(gram)
+    scale = np.sqrt(np.maximum(diagonal, max(1e-300, FAINTEST * float(diagonal.max(initial=0.0)))))
     inverse: Array = np.linalg.pinv(gram / np.outer(scale, scale), rcond=1e-12, hermitian=True)
     return inverse / np.outer(scale, scale)
 
