@@ -21,7 +21,7 @@ def files(folder):
 
 
 def counting(at_call):
-    """From now on, each call of this process that changes the disk calls a function first."""
+    """Make every later call of this process that changes the disk call a function first."""
 
     def counted(call):
         def run(*arguments, **options):

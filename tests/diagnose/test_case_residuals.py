@@ -46,7 +46,7 @@ def test_nulls_are_seldom_structured():
 
 
 def test_the_level_holds_over_many_nulls():
-    """Of 30 nulls, at most 5 % and three standard errors are called structured."""
+    """The share of 30 nulls that are called structured is at most 5 % plus three standard errors of that share."""
     alarms = [located(World(), 24, seed, 299).is_structured for seed in range(9000, 9030)]
     assert np.mean(alarms) <= 0.05 + 3 * np.sqrt(0.05 * 0.95 / 30)
 

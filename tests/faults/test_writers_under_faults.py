@@ -96,14 +96,14 @@ def test_killed_it_goes_on(case, request):
 
 @every_writer
 def test_on_a_full_disk_it_says_so_and_goes_on(case):
-    """Where files cannot grow, it ends with an error of ours, and goes on once there is room."""
+    """A writer whose files cannot grow ends with an error of ours, and goes on once there is room."""
     assert on_a_full_disk(case.write, 20) == 3
     case.ends_the_same()
 
 
 @every_writer
 def test_read_only_it_says_so_and_changes_nothing(case):
-    """In a folder that may not be written, it ends with an error of ours, and no file is another."""
+    """A writer in a folder that may not be written ends with an error of ours, and leaves every file as it was."""
     before = files(case.folder)
     places = [case.folder, *case.folder.rglob("*")]
     for place in places:
@@ -118,7 +118,7 @@ def test_read_only_it_says_so_and_changes_nothing(case):
 
 @every_writer
 def test_two_at_once_end_the_same(case):
-    """Of two that write at once, each ends well or says that the other writes; then the result is that of one."""
+    """Two writers at once each end well or say that the other writes; what they leave is what one would have left."""
     children = []
     for _ in range(2):
         child = os.fork()
@@ -133,7 +133,7 @@ def test_two_at_once_end_the_same(case):
 
 
 def obey_modes():
-    """From now on, the modes of files hold for this process, also where it is root's."""
+    """Make the modes of files hold for this process from now on, also where root runs it."""
     library, version, override = ctypes.CDLL(None, use_errno=True), 0x20080522, 0b111
     header, sets = (ctypes.c_uint32 * 2)(version, 0), (ctypes.c_uint32 * 6)()
     assert library.capget(header, sets) == 0

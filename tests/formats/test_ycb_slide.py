@@ -279,7 +279,7 @@ def test_simulated_poses_as_the_corpus_writes_them(tmp_path, rng, written_by):
 
 
 def test_clocks_that_the_corpus_could_not_match(tmp_path, rng):
-    """Where the authors' script wrote None as synced data, the images and times are those of digit_data.npy."""
+    """A run whose synced data are None has the images and times of digit_data.npy."""
     root = ycb_slide.write(tmp_path, rng, objects=("025_mug",), runs=1, sim=False)
     np.save(root / "real/025_mug/dataset_0/synced_data.npy", None, allow_pickle=True)
     recording, sink = read(FORMAT, root)[0]

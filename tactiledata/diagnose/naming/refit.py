@@ -82,7 +82,8 @@ class Refits:
                 weak = [setting.weakened(WEAK) for setting in effect.starts[0]]
                 nearer = self._fit(self.base, weak, effect.strengths)
                 found = found if nearer is None else min(found, nearer, key=lambda fit: fit.cost)
-            fits += filter(None, [found])
+            if found is not None:
+                fits.append(found)
         return fits
 
     def pairs(self, screened: Sequence[Screened], singles: Sequence[JointFit]) -> list[JointFit]:

@@ -61,8 +61,7 @@ def test_what_is_near_or_may_come_near_is_led_to_its_end(fitting):
 @pytest.fixture(scope="module")
 def late():
     """Touches whose force sensor lags by 20 ms, with noise, and the plain fit to them."""
-    turn = effect("lag", delay=0.02)
-    white = WhitenedTouches.of(recorded(turn, touches=8, slide=1e-3))
+    white = WhitenedTouches.of(recorded(effect("lag", delay=0.02), touches=8, slide=1e-3))
     noise = np.random.default_rng(0).normal(size=white.measured.shape)
     rows = np.split(noise, white.starts[1:])
     cases = [

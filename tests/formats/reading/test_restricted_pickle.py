@@ -288,7 +288,7 @@ def dill(monkeypatch):
 
 
 def test_dill_reaches_numpy_only(dill):
-    """By dill's functions no module is imported, and nothing but the beginning of arrays is reached."""
+    """A pickle that calls dill's functions imports no module, and reaches nothing but what begins an array."""
     for module, name in (("os", "system"), ("numpy.core.multiarray", "fromfile"), ("numpyx.core.", "_reconstruct")):
         home = Dill(dill._import_module, (module,))
         with pytest.raises((BrokenLog, UnsafeContent), match="not data"):
