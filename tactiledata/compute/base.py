@@ -35,8 +35,21 @@ class Scheduler(ABC):
     """
 
     @abstractmethod
-    def outcomes(self, function: Callable[[T], R], tasks: Sequence[T]) -> Iterator[Outcome[T, R]]:
-        """Yield one `Outcome` per task, in the order of ``tasks``; few tasks run ahead of the reader."""
+    def outcomes(
+        self, function: Callable[[T], R], tasks: Sequence[T], ahead: int | None = None
+    ) -> Iterator[Outcome[T, R]]:
+        """Yield one `Outcome` per task, in the order of ``tasks``.
+
+        Parameters
+        ----------
+        function : callable
+            Is called with each task.
+        tasks : sequence
+            The tasks.
+        ahead : int, optional
+            Largest number of tasks that are begun before the reader has their results. The default is two for each
+            worker, which bounds memory; where results are small, more keep workers busy behind a slow task.
+        """
 
 
 def attempt(function: Callable[[Any], Any], task: Any) -> Outcome[Any, Any]:

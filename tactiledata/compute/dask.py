@@ -32,7 +32,9 @@ class DaskScheduler(Scheduler):
     def __init__(self, address: str) -> None:
         self.address = address
 
-    def outcomes(self, function: Callable[[T], R], tasks: Sequence[T]) -> Iterator[Outcome[T, R]]:
+    def outcomes(
+        self, function: Callable[[T], R], tasks: Sequence[T], ahead: int | None = None
+    ) -> Iterator[Outcome[T, R]]:
         """Yield one `Outcome` per task in order.
 
         Tasks of a worker that dies go to another one.
@@ -64,11 +66,11 @@ class DaskScheduler(Scheduler):
         few_warnings = config.set({"distributed.admin.large-graph-warning-threshold": LARGEST_TASK})
         with _without_log("distributed.client"), client, few_warnings:
             self._need_workers(client)
-            ahead = max(4, 2 * sum(client.ncores().values()))
+            most = max(ahead or 0, 4, 2 * sum(client.ncores().values()))
             waiting: deque = deque()
             for task in tasks:
                 waiting.append((task, client.submit(attempt, function, task, pure=False)))
-                if len(waiting) >= ahead:
+                if len(waiting) >= most:
                     yield self._collect(*waiting.popleft())
             while waiting:
                 yield self._collect(*waiting.popleft())

@@ -27,8 +27,10 @@ class LocalScheduler(Scheduler):
             raise UsageError(f"{workers} workers", "at least 1", "Leave --workers out to run in one process.")
         self.workers = workers
 
-    def outcomes(self, function: Callable[[T], R], tasks: Sequence[T]) -> Iterator[Outcome[T, R]]:
-        """Yield one `Outcome` per task in order; at most two tasks per worker run ahead of the reader."""
+    def outcomes(
+        self, function: Callable[[T], R], tasks: Sequence[T], ahead: int | None = None
+    ) -> Iterator[Outcome[T, R]]:
+        """Yield one `Outcome` per task in order."""
         if self.workers == 1 or len(tasks) < 2:
             for task in tasks:
                 yield attempt(function, task)
@@ -37,7 +39,7 @@ class LocalScheduler(Scheduler):
         with worker_pool(self.workers) as pool:
             for task in tasks:
                 waiting.append((task, _submitted(pool, function, task)))
-                if len(waiting) >= 2 * self.workers:
+                if len(waiting) >= max(ahead or 0, 2 * self.workers):
                     yield _collect(*waiting.popleft())
             while waiting:
                 yield _collect(*waiting.popleft())

@@ -101,7 +101,7 @@ class ProofRun:
             if generator != "analytic"
             for touch in named_plan(plan).touches
         ]
-        for number, outcome in enumerate(self.runner.outcomes(solve, tasks), start=1):
+        for number, outcome in enumerate(self.runner.outcomes(solve, tasks, len(tasks)), start=1):
             if outcome.error is not None:
                 raise outcome.error
             self.report_progress(number, len(tasks), "solving touches by the generators")
@@ -114,7 +114,7 @@ class ProofRun:
         requests = self.request.requests(self.bank)
         tasks = [DrawTask(self.folder, request) for request in requests]
         drawn = []
-        for number, outcome in enumerate(self.runner.outcomes(draw, tasks), start=1):
+        for number, outcome in enumerate(self.runner.outcomes(draw, tasks, len(tasks)), start=1):
             if outcome.error is not None:
                 raise outcome.error
             drawn.append(outcome.result)
@@ -144,7 +144,7 @@ class ProofRun:
         # plan by plan: a process keeps the plays of a plan
         todo.sort(key=lambda name: seal["cases"][name]["plan"])
         tasks = [self._task(seal, name) for name in todo]
-        for number, outcome in enumerate(self.runner.outcomes(answer, tasks), start=1):
+        for number, outcome in enumerate(self.runner.outcomes(answer, tasks, len(tasks)), start=1):
             if outcome.error is not None:
                 raise outcome.error
             one = outcome.result or {}

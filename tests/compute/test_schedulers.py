@@ -24,6 +24,17 @@ def die(number):
     return number
 
 
+def met(task):
+    """Whether the last of nine tasks ran while the first one waited for it, at most so many seconds."""
+    number, folder, seconds = task
+    if number == 8:
+        (folder / "last").touch()
+    end = time.monotonic() + seconds
+    while number == 0 and not (folder / "last").exists() and time.monotonic() < end:
+        time.sleep(0.01)
+    return (folder / "last").exists()
+
+
 def check(outcomes):
     assert [outcome.task for outcome in outcomes] == list(range(10))
     assert [outcome.result for outcome in outcomes if outcome.is_ok] == [0, 1, 2, 3, 4]
@@ -36,6 +47,15 @@ def check(outcomes):
 def test_local_outcomes_keep_order_and_errors(workers):
     """Results and errors come in task order, whether in this process or on others."""
     check(list(SCHEDULERS["local"](workers).outcomes(halve, range(10))))
+
+
+def test_a_slow_task_does_not_hold_up_the_others(tmp_path):
+    """Where the caller allows it, all tasks are begun while the first one runs; else only a few, for memory."""
+    (tmp_path / "few").mkdir()
+    few = [(number, tmp_path / "few", 0.5) for number in range(9)]
+    assert not next(iter(SCHEDULERS["local"](2).outcomes(met, few))).result
+    tasks = [(number, tmp_path, 60.0) for number in range(9)]
+    assert next(iter(SCHEDULERS["local"](2).outcomes(met, tasks, len(tasks)))).result
 
 
 def test_dask_outcomes_equal_local_ones():

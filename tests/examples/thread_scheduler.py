@@ -11,7 +11,7 @@ class ThreadScheduler(Scheduler):
     def __init__(self, workers: int = 4) -> None:
         self.workers = workers
 
-    def outcomes(self, function, tasks):
+    def outcomes(self, function, tasks, ahead=None):
         """Results in the order of the tasks, as every scheduler gives them."""
         with ThreadPoolExecutor(self.workers) as pool:
             yield from pool.map(lambda task: attempt(function, task), tasks)

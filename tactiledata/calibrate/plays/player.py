@@ -93,7 +93,7 @@ def play_nodes(
     # run the batches, and sort their plays by node
     plays_of: dict[Node, list[Play]] = {}
     paths = [path for batch in batches for path in batch_paths(batch)]
-    outcomes = (runner or LocalScheduler()).outcomes(play_batch, batches)
+    outcomes = (runner or LocalScheduler()).outcomes(play_batch, batches, len(batches))
     with PlayProgress(paths, report_progress) as progress:
         for batch_nodes, outcome in zip(members, outcomes, strict=True):
             if outcome.error is not None:

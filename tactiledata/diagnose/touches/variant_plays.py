@@ -101,7 +101,7 @@ def play_variants(
     finished = 0
     paths = [path for batch in batches for path in variant_paths(batch)]
     with PlayProgress(paths, progress) as play_progress:
-        for outcome in (runner or LocalScheduler()).outcomes(play_variant, batches):
+        for outcome in (runner or LocalScheduler()).outcomes(play_variant, batches, len(batches)):
             if outcome.error is not None:
                 raise outcome.error
             plays.append(outcome.result or [])
