@@ -61,12 +61,12 @@ def with_evidence(names, evidence, **changed):
     return candidate(names, evidence / DEFAULT_THRESHOLDS.needed(named), **changed)
 
 
-def scattered(total):
-    """Gains (25,) that sum to a positive total, and to less than the standard errors that make it certain."""
+def scattered(total, errors=0.9):
+    """Gains (25,) that sum to a positive total of so many standard errors; one makes it certain beside much evidence."""
     about = np.tile([1.0, -1.0], TRAJECTORIES)[:TRAJECTORIES]
     about = (about - about.mean()) / about.std(ddof=1)
     # standard error of the sum: 5 times the standard deviation of 25 gains
-    deviation = 1.1 * total / (DEFAULT_THRESHOLDS.gain_sigmas * np.sqrt(TRAJECTORIES))
+    deviation = total / (errors * np.sqrt(TRAJECTORIES))
     return total / TRAJECTORIES + deviation * about
 
 

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactiledata.arrays import Array
-from tactiledata.diagnose.naming.evidence import ScoredCandidate
+from tactiledata.diagnose.naming.evidence import MOST_INFLUENTIAL, ScoredCandidate, error_of_sum
 from tactiledata.diagnose.naming.metric import RandomEffects
 from tactiledata.diagnose.naming.remaining_structure import RemainingStructure
 from tactiledata.diagnose.naming.thresholds import DecisionThresholds
@@ -169,10 +169,12 @@ def needed_of(
     """Return a pair, or the one of its two effects that suffices where the other adds too little.
 
     Let A(x | y) be the evidence of the pair less that of y alone, and B(x) the evidence of x alone. Effect x adds too
-    little beside y in either of two cases. First, A(x | y) is below the evidence that a claim of x needs, which errors
+    little beside y in any of three cases. First, A(x | y) is below the evidence that a claim of x needs, which errors
     of the simulation can bring as well. Second, A(x | y) is below ``remainder_share`` times B(x) and below that share
-    of B(y): an effect y whose form is a little off leaves what looks like its look-alike x. An effect with an
-    implausible strength never suffices. Where either effect suffices, the one with more evidence is returned.
+    of B(y): an effect y whose form is a little off leaves what looks like its look-alike x. Third, trajectories that
+    were held out do not confirm x beside y (`_is_confirmed`). An effect with an implausible strength
+    suffices only as the whole cause.
+    Where either effect suffices, the one with more evidence is returned.
 
     Parameters
     ----------
@@ -191,9 +193,23 @@ def needed_of(
             adds < thresholds.remainder_share * alone[other].evidence
             and adds < thresholds.remainder_share * alone[name].evidence
         )
-        if (adds < thresholds.claim(other) or is_remainder) and not alone[name].implausible:
+        is_little = adds < thresholds.claim(other) or is_remainder
+        is_plausible = not alone[name].implausible or alone[name].is_whole_cause(thresholds)
+        if is_plausible and (is_little or not _is_confirmed(pair, alone[name], other, thresholds)):
             sufficient.append(alone[name])
     return max(sufficient, key=_evidence, default=pair)
+
+
+def _is_confirmed(pair: ScoredCandidate, single: ScoredCandidate, second: str, thresholds: DecisionThresholds) -> bool:
+    """Return whether held-out trajectories are predicted better with the second effect than with the other one alone.
+
+    The gain of the pair less that of the single is positive, and has ``gain_sigmas`` standard errors; or the evidence
+    that a claim of the second needs is added without the two trajectories that add most.
+    """
+    gains = pair.gains - single.gains
+    added = np.sort(pair.evidence_per_trajectory - single.evidence_per_trajectory)[:-MOST_INFLUENTIAL]
+    is_more = gains.sum() >= thresholds.gain_sigmas * error_of_sum(gains)
+    return bool(gains.sum() > 0 and (is_more or added.sum() >= thresholds.claim(second)))
 
 
 def _evidence(candidate: ScoredCandidate) -> float:

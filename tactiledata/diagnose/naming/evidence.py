@@ -120,10 +120,17 @@ class ScoredCandidate:
         return self.evidence - float(np.sort(self.evidence_per_trajectory)[-MOST_INFLUENTIAL:].sum())
 
     def has_certain_gain(self, thresholds: DecisionThresholds) -> bool:
-        """Whether the gain has ``gain_sigmas`` standard errors, on held-out trajectories or on held-out indenters."""
-        return (
+        """Whether the gain is positive, and more than chance.
+
+        It has ``gain_sigmas`` standard errors, on held-out trajectories or on held-out indenters. Or it has one, and
+        ``structure_evidence`` times the evidence that a claim needs remains without the two trajectories that contribute
+        most: where an effect is much stronger in some trajectories than in others, gains differ as much.
+        """
+        is_much = self.evidence_without_best_two >= thresholds.structure_evidence * thresholds.needed(self.names)
+        return self.gain > 0 and (
             self.gain >= thresholds.gain_sigmas * self.gain_error
             or self.indenter_gain >= thresholds.gain_sigmas * self.indenter_error
+            or (is_much and self.gain >= self.gain_error)
         )
 
     def is_certain(self, thresholds: DecisionThresholds) -> bool:
@@ -184,7 +191,7 @@ class ScoredCandidate:
         indenters that were held out; too little of the excess gone on data that were not fitted; trajectories that do
         not agree; a signature that the refit has not removed; less than ``at_bound`` times the needed evidence where nu
         stands at an end of its range beside an effect that errors of the simulation resemble; and strengths that are
-        not plausible.
+        not plausible, unless the effect is the whole cause (`is_whole_cause`).
         """
         needed, reasons = thresholds.needed(self.names), []
         if self.evidence < needed:
@@ -218,7 +225,20 @@ class ScoredCandidate:
                 f"{POISSON_RATIO} stands at an end of the range that was tried, where errors of the simulation bring up"
                 f" to {at_bound:.0f}"
             )
-        return (*reasons, *(f"{name} is not plausible" for name in self.implausible))
+        if self.implausible and not self.is_whole_cause(thresholds):
+            reasons.extend(f"{name} is not plausible" for name in self.implausible)
+        return tuple(reasons)
+
+    def is_whole_cause(self, thresholds: DecisionThresholds) -> bool:
+        """Whether the effect is decisive, errors of the simulation do not resemble it, and it leaves next to nothing.
+
+        Such an effect is named whatever its strength: a range is an estimate of what is usual.
+        """
+        return (
+            not thresholds.is_resembled(self.names)
+            and self.is_decisive(thresholds)
+            and self.excess_share >= thresholds.whole_cause_share
+        )
 
 
 def score_candidate(

@@ -87,6 +87,9 @@ class DecisionThresholds:
     main_cause_share : float
         Share of the excess that an effect which errors of the simulation resemble must remove where more than the
         stated noise is left beside it.
+    whole_cause_share : float
+        Share of the excess from which an effect that errors of the simulation do not resemble is named even if its
+        strength is beyond what is plausible.
     part_share : float
         The same share for an effect that errors of the simulation do not resemble.
     noise_dispersion : float
@@ -144,6 +147,7 @@ class DecisionThresholds:
     decisive_signature: float = 7.0
     least_excess_share: float = 0.05
     main_cause_share: float = 0.5
+    whole_cause_share: float = 0.9
     part_share: float = 0.15
     noise_dispersion: float = 1.1
     structure_dispersion: float = 1.25

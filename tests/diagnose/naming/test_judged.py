@@ -323,6 +323,26 @@ def test_a_look_alike_that_repairs_the_first_is_not_named():
     assert needed_of(pair, [weak, second], T) is pair
 
 
+def test_a_second_effect_that_held_out_trajectories_do_not_confirm_is_not_named():
+    """The pair must predict them better than the first alone, beyond chance, or add much in most trajectories."""
+    second = next(name for name in EFFECTS if name not in (EASY, HARD) and not T.is_resembled((name,)))
+    first, alone = with_evidence(EASY, MUCH), with_evidence(second, 3.0 * T.claim(second))
+    adds = 2.5 * T.claim(second)
+    by_two = np.zeros(25)
+    by_two[:2] = 0.5 * adds
+    for gains, spread_over, named in (
+        (scattered(adds, 1.1 * T.gain_sigmas), by_two, {EASY, second}),
+        (scattered(adds, 0.9 * T.gain_sigmas), by_two, {EASY}),
+        (scattered(adds, 0.9 * T.gain_sigmas), np.full(25, adds / 25), {EASY, second}),
+        (-scattered(adds, 0.9), np.full(25, adds / 25), {EASY}),
+    ):
+        pair = with_evidence(
+            (EASY, second), MUCH + adds, gains=first.gains + gains,
+            evidence_per_trajectory=first.evidence_per_trajectory + spread_over,
+        )  # fmt: skip
+        assert set(needed_of(pair, [first, alone], T).names) == named
+
+
 def test_an_effect_with_an_implausible_strength_does_not_suffice():
     """It needs the other one of the pair beside it, however little that adds."""
     odd = with_evidence(EASY, MUCH, implausible=("lag delay = 3 s",))
@@ -331,6 +351,8 @@ def test_an_effect_with_an_implausible_strength_does_not_suffice():
     assert needed_of(pair, [odd, alone], T) is pair
     sound = with_evidence(EASY, MUCH)
     assert needed_of(pair, [sound, alone], T) is sound
+    whole = with_evidence(EASY, MUCH, implausible=odd.implausible, signature_before=T.decisive_signature)
+    assert needed_of(pair, [whole, alone], T) is whole
 
 
 def substitute(kept, name, evidence, **changed):

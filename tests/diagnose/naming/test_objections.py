@@ -88,6 +88,29 @@ def test_a_gain_that_scatters_is_certain_by_its_signature_or_by_held_out_indente
     assert candidate(EASY, gains=-gains, **clear).objections(T) != ()
 
 
+def test_much_evidence_makes_a_gain_of_one_standard_error_certain():
+    """Twice what a claim needs must be left without the best two; a gain of less than its error stays uncertain."""
+    times = 1.05 * T.structure_evidence * TRAJECTORIES / (TRAJECTORIES - 2)
+    gains = scattered(times * NEEDED, 1.1)
+    assert candidate(EASY, times, gains=gains).objections(T) == ()
+    assert len(candidate(EASY, 0.9 * times, gains=gains).objections(T)) == 1
+    assert len(candidate(EASY, times, gains=scattered(times * NEEDED, 0.9)).objections(T)) == 1
+
+
+def test_the_whole_cause_is_named_whatever_its_strength():
+    """It is decisive, no error of a simulation resembles it, and it leaves next to nothing; a part is not enough."""
+    odd = {"implausible": ("lag delay = 3 s",), "signature_before": T.decisive_signature}
+    share = T.whole_cause_share
+    assert candidate(EASY, **odd, excess_share=share).objections(T) == ()
+    for other in (
+        candidate(EASY, **odd, excess_share=0.99 * share),
+        candidate(HARD, **odd, excess_share=share),
+        candidate(EASY, **{**odd, "signature_before": 0.99 * T.decisive_signature}, excess_share=share),
+    ):
+        (said,) = other.objections(T)
+        assert "not plausible" in said
+
+
 def test_indenters_within_their_error_are_no_objection():
     """A loss on held-out indenters counts beyond one standard error."""
     assert candidate(EASY, indenter_gain=-0.9, indenter_error=1.0).objections(T) == ()
