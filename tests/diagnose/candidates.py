@@ -62,7 +62,7 @@ def with_evidence(names, evidence, **changed):
 
 
 def scattered(total, errors=0.9):
-    """Gains (25,) that sum to a positive total of so many standard errors; one makes it certain beside much evidence."""
+    """Gains (25,) that sum to a positive total of so many standard errors."""
     about = np.tile([1.0, -1.0], TRAJECTORIES)[:TRAJECTORIES]
     about = (about - about.mean()) / about.std(ddof=1)
     # standard error of the sum: 5 times the standard deviation of 25 gains

@@ -123,8 +123,8 @@ class ScoredCandidate:
         """Whether the gain is positive, and more than chance.
 
         It has ``gain_sigmas`` standard errors, on held-out trajectories or on held-out indenters. Or it has one, and
-        ``structure_evidence`` times the evidence that a claim needs remains without the two trajectories that contribute
-        most: where an effect is much stronger in some trajectories than in others, gains differ as much.
+        ``structure_evidence`` times the evidence that a claim needs remains without the two trajectories that
+        contribute most: where an effect is much stronger in some trajectories than in others, gains differ as much.
         """
         is_much = self.evidence_without_best_two >= thresholds.structure_evidence * thresholds.needed(self.names)
         return self.gain > 0 and (
