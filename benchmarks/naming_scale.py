@@ -69,7 +69,9 @@ class Considered:
             bool(one.objections(thresholds)) or (len(one.names) == 2 and needed_of(one, singles, thresholds) is not one)
             for one in judged
         ]
-        beyond = np.array([one.beyond(thresholds) / thresholds.growth(one.names) for one in judged])
+        beyond = np.array(
+            [(one.evidence - thresholds.needed(one.names)) / thresholds.growth(one.names) for one in judged]
+        )
         return Considered(beyond, np.array(objected, dtype=bool), _right(case, names), case["at_large"])
 
     def shares(self, scale: DecisionThresholds) -> Array:

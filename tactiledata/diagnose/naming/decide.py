@@ -260,7 +260,7 @@ def _probabilities(
     ]
     candidates = [*singles, *pairs]
     shares = thresholds.shares(
-        np.array([one.beyond(thresholds) / thresholds.growth(one.names) for one in candidates]),
+        np.array([(one.evidence - thresholds.needed(one.names)) / thresholds.growth(one.names) for one in candidates]),
         np.array(objected, dtype=bool),
         is_left,
     )

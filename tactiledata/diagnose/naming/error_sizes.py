@@ -120,6 +120,12 @@ def smallest_ratio(before: WhitenedTouches, after: WhitenedTouches) -> float:
     return float(min((_sizes(after) / _sizes(before)).min(), *of_touches))
 
 
+def typical_size(whitened: WhitenedTouches) -> float:
+    """Return the geometric mean of the sizes of errors that touches share; 1 is what two solvers usually differ by."""
+    sizes = _sizes(whitened)
+    return float(np.exp(np.log(sizes).mean())) if len(sizes) else 1.0
+
+
 def _groups(whitened: WhitenedTouches) -> list[tuple[str, str]]:
     """Family and indenter of each size; the indenter is empty for errors that all have in common."""
     return list(dict.fromkeys((error.family, error.indenter) for error in whitened.simulation_errors))

@@ -154,8 +154,12 @@ class ScoredCandidate:
         )
 
     def beyond(self, thresholds: DecisionThresholds) -> float:
-        """Return the evidence beyond that which a claim needs."""
-        return self.evidence - thresholds.needed(self.names)
+        """Return the evidence beyond that which a claim needs beside errors of the usual size: it ranks candidates.
+
+        Larger errors of the simulation forbid claims. They are no reason to prefer another effect, which may imitate
+        the one that they resemble.
+        """
+        return self.evidence - thresholds.usual_errors.needed(self.names)
 
     def is_decisive(self, thresholds: DecisionThresholds) -> bool:
         """Whether trajectories agree on the effect as they do on no error of the simulation.

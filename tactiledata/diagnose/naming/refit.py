@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tactiledata.diagnose.naming.decide import Decision, decide
+from tactiledata.diagnose.naming.error_sizes import typical_size
 from tactiledata.diagnose.naming.evidence import ScoredCandidate, range_checks, score_candidate
 from tactiledata.diagnose.naming.held_out import GroupedCosts, held_out
 from tactiledata.diagnose.naming.joint_fit import JointFit, joint_fit
@@ -61,7 +62,8 @@ class Refits:
     @property
     def thresholds(self) -> DecisionThresholds:
         """The thresholds for these trajectories."""
-        return self.options.thresholds.for_data(len(self.whitened.starts), self.whitened.precision)
+        whitened = self.whitened
+        return self.options.thresholds.for_data(len(whitened.starts), whitened.precision, typical_size(whitened))
 
     def singles(self, screened: Sequence[Screened]) -> list[JointFit]:
         """Return a refit of each promising effect, the best of its starts; effects without any balance are left out.

@@ -35,13 +35,15 @@ from tactiledata.arrays import Array, Mask
 
 CLAIM_EVIDENCE: Mapping[str, float] = MappingProxyType({
     "static_friction": 300.0, "arm_compliance": 40.0, "mount_offset": 40.0, "thickness": 35.0,
-    "strain_stiffening": 35.0, "stem_bending": 30.0, "soft_region": 30.0, "dome": 30.0, "skin": 30.0,
+    "strain_stiffening": 35.0, "stem_bending": 40.0, "soft_region": 30.0, "dome": 30.0, "skin": 30.0,
     "area_friction": 30.0, "partial_slip": 30.0, "heating": 20.0, "mullins": 20.0, "wear": 20.0, "pad_edge": 20.0,
     "adhesion": 20.0,
 })  # fmt: skip
 """Evidence that an effect needs where errors of the simulation resemble it; the others need ``USUAL_CLAIM``."""
 USUAL_CLAIM = 12.0
 """Evidence that an effect needs which errors of a simulation do not resemble."""
+USUAL_CLAIMS: Mapping[str, float] = MappingProxyType({"rate_friction": 20.0})
+"""The same for effects that need more, since solvers regularise friction in ways of their own."""
 TYPICAL_OCCAM = 4.0
 """Occam penalty of an effect at the limit of what can be claimed, in units of evidence: a typical value."""
 
@@ -57,6 +59,8 @@ class DecisionThresholds:
         add that evidence.
     usual_claim : float
         Evidence that a claim of any other effect needs.
+    usual_claims : dict, effect -> float
+        The same for effects that need more, though errors of the simulation do not resemble them.
     saturation : float
         Number α of trajectories of precision 1 from which the evidence that a claim needs is twice as large, for
         effects that errors of the simulation resemble: with t trajectories of precision q it is multiplied by
@@ -66,6 +70,10 @@ class DecisionThresholds:
         The same number for effects that errors of the simulation do not resemble.
     data : float
         Number of trajectories times their precision, t q; 0 before `for_data`.
+    error_size : float
+        Size of the simulation's errors as the data tell it, in the usual one; at least 1. What errors bring in forms
+        that are not modelled grows with its square: so does the evidence that an effect needs which they resemble.
+        Another effect needs it in proportion.
     at_bound : float
         Multiple of the needed evidence that an effect needs which errors of the simulation resemble, where nu stands at
         an end of its range: the simulation follows these data with no plausible gel, and errs more than elsewhere.
@@ -136,9 +144,11 @@ class DecisionThresholds:
 
     claims: Mapping[str, float] = field(default_factory=lambda: CLAIM_EVIDENCE)
     usual_claim: float = USUAL_CLAIM
+    usual_claims: Mapping[str, float] = field(default_factory=lambda: USUAL_CLAIMS)
     saturation: float = 400.0
     usual_saturation: float = 1000.0
     data: float = 0.0
+    error_size: float = 1.0
     at_bound: float = 2.0
     broad_share: float = 0.5
     gain_sigmas: float = 2.0
@@ -167,17 +177,35 @@ class DecisionThresholds:
     log_odds_nothing: float = 0.0
     log_odds_unlisted: float = 3.0
 
-    def for_data(self, trajectories: int, precision: float = 1.0) -> DecisionThresholds:
-        """Return the thresholds for a number of trajectories of a precision, `WhitenedTouches.precision`."""
-        return replace(self, data=trajectories * precision)
+    def for_data(self, trajectories: int, precision: float = 1.0, error_size: float = 1.0) -> DecisionThresholds:
+        """Return the thresholds for the data at hand.
+
+        Parameters
+        ----------
+        trajectories : int
+            Number of trajectories.
+        precision : float
+            Their precision, `WhitenedTouches.precision`.
+        error_size : float
+            Size of the simulation's errors, `error_sizes.typical_size`.
+        """
+        return replace(self, data=trajectories * precision, error_size=max(1.0, error_size))
+
+    @property
+    def usual_errors(self) -> DecisionThresholds:
+        """The thresholds beside errors of the usual size."""
+        return replace(self, error_size=1.0)
 
     def growth(self, names: Sequence[str]) -> float:
-        """Return the factor on evidence that effects need, by number and precision of the trajectories."""
-        return 1.0 + self.data / (self.saturation if self.is_resembled(names) else self.usual_saturation)
+        """Return the factor on evidence that effects need: by the data, and by the size of the simulation's errors."""
+        if self.is_resembled(names):
+            return (1.0 + self.data / self.saturation) * self.error_size**2
+        return (1.0 + self.data / self.usual_saturation) * self.error_size
 
     def claim(self, name: str) -> float:
         """Return the evidence that a claim of an effect needs."""
-        return self.claims.get(name, self.usual_claim) * self.growth((name,))
+        usual = self.usual_claims.get(name, self.usual_claim)
+        return self.claims.get(name, usual) * self.growth((name,))
 
     def is_resembled(self, names: Sequence[str]) -> bool:
         """Return whether errors of a simulation resemble one of these effects."""
@@ -203,7 +231,8 @@ class DecisionThresholds:
     def for_traces(self) -> DecisionThresholds:
         """Thresholds of a trace: the needed evidence is lowered by ``trace_share``."""
         lowered = {name: self.trace_share * value for name, value in self.claims.items()}
-        return replace(self, claims=lowered, usual_claim=self.trace_share * self.usual_claim)
+        usual = {name: self.trace_share * value for name, value in self.usual_claims.items()}
+        return replace(self, claims=lowered, usual_claim=self.trace_share * self.usual_claim, usual_claims=usual)
 
     def tie_margin(self, evidence: float, names: Sequence[str]) -> float:
         """Return the lead in evidence up to which another candidate is a tie of one with this evidence.

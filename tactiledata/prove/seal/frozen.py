@@ -56,7 +56,8 @@ def deciding_numbers() -> dict[str, dict[str, float]]:
                 low, high = getattr(parameter, what)
                 ranges[f"{name}.{parameter.name} {what} low"] = float(low)
                 ranges[f"{name}.{parameter.name} {what} high"] = float(high)
-    claims = {f"claim of {name}": float(value) for name, value in options.thresholds.claims.items()}
+    needed = {**options.thresholds.usual_claims, **options.thresholds.claims}
+    claims = {f"claim of {name}": float(value) for name, value in needed.items()}
     return {
         "thresholds": {**_numbers(options.thresholds), **claims},
         "errors": _numbers(options.errors),

@@ -445,6 +445,20 @@ def test_evidence_in_proportion_to_the_data_is_never_enough():
     assert needed.claim(EASY) / T.claim(EASY) - 1.0 < 0.5 * (needed.claim(HARD) / T.claim(HARD) - 1.0)
 
 
+def test_larger_errors_of_the_simulation_forbid_a_claim_and_prefer_no_other_effect():
+    """Three times the usual errors bring nine times the evidence; an imitation with less evidence is not named then."""
+    large = T.for_data(0, 1.0, 3.0)
+    assert large.claim(HARD) == pytest.approx(9.0 * T.claim(HARD))
+    assert large.claim(EASY) == pytest.approx(3.0 * T.claim(EASY))
+    assert T.for_data(0, 1.0, 0.5).claim(HARD) == T.claim(HARD)
+    true, imitation = with_evidence(HARD, 8.0 * T.claim(HARD)), with_evidence(EASY, 4.0 * T.claim(HARD))
+    assert imitation.objections(large) == ()
+    assert len(true.objections(large)) > 0
+    gains = {one.label: one.gains for one in (true, imitation)}
+    for thresholds, named in ((T, (HARD,)), (large, ())):
+        assert decide([true, imitation], [], gains, plain_metric(), NOTHING_LEFT, thresholds).claimed == named
+
+
 def test_a_number_that_shows_at_no_place_is_said_beside_those_of_its_effect_that_do():
     """An indenter's place shows, its radius does not; of one effect that shows nowhere, the effect is said."""
     mount = [Strength("mount_offset", name, place) for name in ("x", "radius_error") for place in ("ball3", "bar")]
