@@ -69,9 +69,7 @@ class Considered:
             bool(one.objections(thresholds)) or (len(one.names) == 2 and needed_of(one, singles, thresholds) is not one)
             for one in judged
         ]
-        beyond = np.array(
-            [(one.evidence - thresholds.needed(one.names)) / thresholds.growth(one.names) for one in judged]
-        )
+        beyond = np.array([one.share_of_need(thresholds) for one in judged])
         return Considered(beyond, np.array(objected, dtype=bool), _right(case, names), case["at_large"])
 
     def shares(self, scale: DecisionThresholds) -> Array:
@@ -122,7 +120,7 @@ def judged_of(told: dict[str, Any]) -> ScoredCandidate:
         cast(Any, Told(tuple(told["effects"]))), np.array(told["gains"]), told["indenter_gain"] or nothing,
         told["indenter_error"] or nothing,
         told["excess_share"], *told["signature"], tuple(told["implausible"]), tuple(told["at_bounds"]),
-        told["evidence"], np.array(told["falls"]),
+        told["evidence"], np.array(told["falls"]), told.get("error_size", 1.0),
     )  # fmt: skip
 
 

@@ -163,7 +163,7 @@ def _what(naming: NamingResult) -> Section:
     drawn = draw_ladder(
         [title_of(candidate.names) for candidate in ranked],
         [candidate.evidence for candidate in ranked],
-        [naming.thresholds.needed(candidate.names) for candidate in ranked],
+        [candidate.needed(naming.thresholds) for candidate in ranked],
     )
     caption = "Evidence of the candidates (dots), and the evidence that a claim of each needs (vertical lines)."
     picture = Picture(png_bytes(drawn), caption)

@@ -170,11 +170,10 @@ def needed_of(
 
     Let A(x | y) be the evidence of the pair less that of y alone, and B(x) the evidence of x alone. Effect x adds too
     little beside y in any of three cases. First, A(x | y) is below the evidence that a claim of x needs, which errors
-    of the simulation can bring as well. Second, A(x | y) is below ``remainder_share`` times B(x) and below that share
-    of B(y): an effect y whose form is a little off leaves what looks like its look-alike x. Third, trajectories that
-    were held out do not confirm x beside y (`_is_confirmed`). An effect with an implausible strength
-    suffices only as the whole cause.
-    Where either effect suffices, the one with more evidence is returned.
+    of the simulation can bring as well. Second, A(x | y) is below ``second_share`` times B(y), or below
+    ``remainder_share`` times B(x) and times B(y): an effect y whose form is a little off leaves what looks like x.
+    Third, trajectories that were held out do not confirm x beside y (`_is_confirmed`). An effect with an implausible
+    strength suffices only as the whole cause. Where either effect suffices, the one with more evidence is returned.
 
     Parameters
     ----------
@@ -193,7 +192,11 @@ def needed_of(
             adds < thresholds.remainder_share * alone[other].evidence
             and adds < thresholds.remainder_share * alone[name].evidence
         )
-        is_little = adds < thresholds.claim(other) or is_remainder
+        is_little = (
+            adds < thresholds.with_errors(pair.error_size).claim(other)
+            or adds < thresholds.second_share * alone[name].evidence
+            or is_remainder
+        )
         is_plausible = not alone[name].implausible or alone[name].is_whole_cause(thresholds)
         if is_plausible and (is_little or not _is_confirmed(pair, alone[name], other, thresholds)):
             sufficient.append(alone[name])
@@ -209,7 +212,7 @@ def _is_confirmed(pair: ScoredCandidate, single: ScoredCandidate, second: str, t
     gains = pair.gains - single.gains
     added = np.sort(pair.evidence_per_trajectory - single.evidence_per_trajectory)[:-MOST_INFLUENTIAL]
     is_more = gains.sum() >= thresholds.gain_sigmas * error_of_sum(gains)
-    return bool(gains.sum() > 0 and (is_more or added.sum() >= thresholds.claim(second)))
+    return bool(gains.sum() > 0 and (is_more or added.sum() >= thresholds.with_errors(pair.error_size).claim(second)))
 
 
 def _evidence(candidate: ScoredCandidate) -> float:
@@ -260,7 +263,7 @@ def _probabilities(
     ]
     candidates = [*singles, *pairs]
     shares = thresholds.shares(
-        np.array([(one.evidence - thresholds.needed(one.names)) / thresholds.growth(one.names) for one in candidates]),
+        np.array([one.share_of_need(thresholds) for one in candidates]),
         np.array(objected, dtype=bool),
         is_left,
     )

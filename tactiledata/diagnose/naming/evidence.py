@@ -80,6 +80,8 @@ class ScoredCandidate:
         Evidence B, Occam penalty taken off.
     evidence_per_trajectory : (t,)
         Contribution of each trajectory to the evidence, before the Occam penalty and the priors of shared numbers.
+    error_size : float
+        Size of the simulation's errors beside the refit, in the usual one: what the effects explain is no error.
     """
 
     fit: JointFit
@@ -93,6 +95,7 @@ class ScoredCandidate:
     at_bounds: tuple[str, ...]
     evidence: float
     evidence_per_trajectory: Array
+    error_size: float = 1.0
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -119,6 +122,15 @@ class ScoredCandidate:
         """Evidence that remains without the two trajectories that contribute most; the Occam penalty stays whole."""
         return self.evidence - float(np.sort(self.evidence_per_trajectory)[-MOST_INFLUENTIAL:].sum())
 
+    def needed(self, thresholds: DecisionThresholds) -> float:
+        """Return the evidence that a claim of the candidate needs beside the errors that the simulation then has."""
+        return thresholds.with_errors(self.error_size).needed(self.names)
+
+    def share_of_need(self, thresholds: DecisionThresholds) -> float:
+        """Return the evidence beyond that which a claim needs, over the factor by which data and errors raise it."""
+        own = thresholds.with_errors(self.error_size)
+        return (self.evidence - own.needed(self.names)) / own.growth(self.names)
+
     def has_certain_gain(self, thresholds: DecisionThresholds) -> bool:
         """Whether the gain is positive, and more than chance.
 
@@ -126,7 +138,7 @@ class ScoredCandidate:
         ``structure_evidence`` times the evidence that a claim needs remains without the two trajectories that
         contribute most: where an effect is much stronger in some trajectories than in others, gains differ as much.
         """
-        is_much = self.evidence_without_best_two >= thresholds.structure_evidence * thresholds.needed(self.names)
+        is_much = self.evidence_without_best_two >= thresholds.structure_evidence * self.needed(thresholds)
         return self.gain > 0 and (
             self.gain >= thresholds.gain_sigmas * self.gain_error
             or self.indenter_gain >= thresholds.gain_sigmas * self.indenter_error
@@ -150,7 +162,7 @@ class ScoredCandidate:
         trajectories that contribute most to it.
         """
         return self.signature_before >= thresholds.signature_threshold or (
-            self.has_certain_gain(thresholds) and self.evidence_without_best_two >= thresholds.needed(self.names)
+            self.has_certain_gain(thresholds) and self.evidence_without_best_two >= self.needed(thresholds)
         )
 
     def beyond(self, thresholds: DecisionThresholds) -> float:
@@ -159,7 +171,7 @@ class ScoredCandidate:
         Larger errors of the simulation forbid claims. They are no reason to prefer another effect, which may imitate
         the one that they resemble.
         """
-        return self.evidence - thresholds.usual_errors.needed(self.names)
+        return self.evidence - thresholds.needed(self.names)
 
     def is_decisive(self, thresholds: DecisionThresholds) -> bool:
         """Whether trajectories agree on the effect as they do on no error of the simulation.
@@ -168,9 +180,8 @@ class ScoredCandidate:
         claim needs remains without the two trajectories that contribute most. Other errors that are left beside such
         an effect do not speak against it.
         """
-        return (
-            self.signature_before >= thresholds.decisive_signature
-            and self.evidence_without_best_two >= thresholds.needed(self.names)
+        return self.signature_before >= thresholds.decisive_signature and self.evidence_without_best_two >= self.needed(
+            thresholds
         )
 
     @property
@@ -180,9 +191,8 @@ class ScoredCandidate:
 
     def is_structure(self, thresholds: DecisionThresholds) -> bool:
         """Whether the evidence is far beyond a claim's, even if no claim is possible: the residual has structure."""
-        return self.evidence_without_best_two >= thresholds.structure_evidence * thresholds.needed(
-            self.names
-        ) and self.is_certain(thresholds)
+        is_much = self.evidence_without_best_two >= thresholds.structure_evidence * self.needed(thresholds)
+        return is_much and self.is_certain(thresholds)
 
     def is_trace(self, thresholds: DecisionThresholds) -> bool:
         """Whether there are no objections with the lowered thresholds of a trace."""
@@ -197,7 +207,7 @@ class ScoredCandidate:
         stands at an end of its range beside an effect that errors of the simulation resemble; and strengths that are
         not plausible, unless the effect is the whole cause (`is_whole_cause`).
         """
-        needed, reasons = thresholds.needed(self.names), []
+        needed, reasons = self.needed(thresholds), []
         if self.evidence < needed:
             reasons.append(
                 f"the evidence is {self.evidence:.1f}, and errors of the simulation alone can bring up to {needed:.0f}"
@@ -252,6 +262,7 @@ def score_candidate(
     out: GroupedCosts,
     expected: float,
     dispersion: float,
+    error_size: float = 1.0,
 ) -> ScoredCandidate:
     """Return the scores of a refit beside the plain fit; the module's docstring has the formulas.
 
@@ -265,6 +276,8 @@ def score_candidate(
         Sum of whitened squares of all trajectories where noise is all there is.
     dispersion : float
         φ, at least 1.
+    error_size : float
+        Size of the simulation's errors beside the refit, `error_sizes.typical_size`.
     """
     gains = 0.5 * (base_out.by_trajectory - out.by_trajectory) / dispersion
     # numbers that differ by indenter cannot be predicted for an indenter that is held out
@@ -285,6 +298,7 @@ def score_candidate(
         implausible, at_bounds,
         0.5 * (base.cost - fit.cost) / dispersion - fit.occam,
         0.5 * (base.cost_by_trajectory - fit.cost_by_trajectory) / dispersion,
+        error_size,
     )  # fmt: skip
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tactiledata.diagnose.naming.decide import Decision, decide
-from tactiledata.diagnose.naming.error_sizes import typical_size
+from tactiledata.diagnose.naming.error_sizes import typical_size, with_estimated_sizes
 from tactiledata.diagnose.naming.evidence import ScoredCandidate, range_checks, score_candidate
 from tactiledata.diagnose.naming.held_out import GroupedCosts, held_out
 from tactiledata.diagnose.naming.joint_fit import JointFit, joint_fit
@@ -62,8 +62,7 @@ class Refits:
     @property
     def thresholds(self) -> DecisionThresholds:
         """The thresholds for these trajectories."""
-        whitened = self.whitened
-        return self.options.thresholds.for_data(len(whitened.starts), whitened.precision, typical_size(whitened))
+        return self.options.thresholds.for_data(len(self.whitened.starts), self.whitened.precision)
 
     def singles(self, screened: Sequence[Screened]) -> list[JointFit]:
         """Return a refit of each promising effect, the best of its starts; effects without any balance are left out.
@@ -141,7 +140,9 @@ class Refits:
         dispersion = max(1.0, left.dispersion)
 
         def score_of(fit: JointFit, out: GroupedCosts) -> ScoredCandidate:
-            scored = score_candidate(self.base, fit, base_out, out, float(expected.sum()), dispersion)
+            # what an effect explains is no error of the simulation
+            size = typical_size(with_estimated_sizes(self.whitened, fit))
+            scored = score_candidate(self.base, fit, base_out, out, float(expected.sum()), dispersion, size)
             return with_penalty(scored, self.size_penalty / dispersion)
 
         # scores and decision

@@ -34,7 +34,7 @@ import numpy as np
 from tactiledata.arrays import Array, Mask
 
 CLAIM_EVIDENCE: Mapping[str, float] = MappingProxyType({
-    "static_friction": 300.0, "arm_compliance": 40.0, "mount_offset": 40.0, "thickness": 35.0,
+    "static_friction": 120.0, "arm_compliance": 40.0, "mount_offset": 40.0, "thickness": 35.0,
     "strain_stiffening": 35.0, "stem_bending": 40.0, "soft_region": 30.0, "dome": 30.0, "skin": 30.0,
     "area_friction": 30.0, "partial_slip": 30.0, "heating": 20.0, "mullins": 20.0, "wear": 20.0, "pad_edge": 20.0,
     "adhesion": 20.0,
@@ -71,7 +71,7 @@ class DecisionThresholds:
     data : float
         Number of trajectories times their precision, t q; 0 before `for_data`.
     error_size : float
-        Size of the simulation's errors as the data tell it, in the usual one; at least 1. What errors bring in forms
+        Size of the simulation's errors beside a candidate, in the usual one; at least 1. What errors bring in forms
         that are not modelled grows with its square: so does the evidence that an effect needs which they resemble.
         Another effect needs it in proportion.
     at_bound : float
@@ -128,6 +128,9 @@ class DecisionThresholds:
         it: errors of the simulation only ever speak for the wider one.
     wider_lead : float
         Multiple of the evidence that a wider effect needs by which it must lead a special case of it to be named.
+    second_share : float
+        The second of two effects only repairs an imperfect form of the first where it adds less than this share of the
+        first one's evidence.
     remainder_share : float
         The second of two effects only repairs an imperfect form of the first where it adds less than this share of its
         own evidence alone and less than this share of the first one's.
@@ -171,30 +174,20 @@ class DecisionThresholds:
     trace_share: float = 0.5
     special_case_evidence: float = 5.0
     wider_lead: float = 2.0
+    second_share: float = 0.1
     remainder_share: float = 0.6
     evidence_slope: float = 0.1
     objection_cost: float = 5.0
     log_odds_nothing: float = 0.0
     log_odds_unlisted: float = 3.0
 
-    def for_data(self, trajectories: int, precision: float = 1.0, error_size: float = 1.0) -> DecisionThresholds:
-        """Return the thresholds for the data at hand.
+    def for_data(self, trajectories: int, precision: float = 1.0) -> DecisionThresholds:
+        """Return the thresholds for a number of trajectories of a precision, `WhitenedTouches.precision`."""
+        return replace(self, data=trajectories * precision)
 
-        Parameters
-        ----------
-        trajectories : int
-            Number of trajectories.
-        precision : float
-            Their precision, `WhitenedTouches.precision`.
-        error_size : float
-            Size of the simulation's errors, `error_sizes.typical_size`.
-        """
-        return replace(self, data=trajectories * precision, error_size=max(1.0, error_size))
-
-    @property
-    def usual_errors(self) -> DecisionThresholds:
-        """The thresholds beside errors of the usual size."""
-        return replace(self, error_size=1.0)
+    def with_errors(self, size: float) -> DecisionThresholds:
+        """Return the thresholds beside errors of the simulation of a size, `error_sizes.typical_size`."""
+        return replace(self, error_size=max(1.0, size))
 
     def growth(self, names: Sequence[str]) -> float:
         """Return the factor on evidence that effects need: by the data, and by the size of the simulation's errors."""

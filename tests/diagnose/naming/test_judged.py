@@ -302,8 +302,8 @@ def pair_beside(first, second, adds):
 @pytest.mark.parametrize("second", [OTHER_EASY, HARD])
 def test_of_two_only_what_adds_its_own_is_named(second):
     """The second of two must add what a claim of it needs by itself."""
-    first = with_evidence(EASY, MUCH)
     needed = T.claim(second)
+    first = with_evidence(EASY, 6.0 * needed)
     alone = with_evidence(second, 1.2 * needed)
     for adds, named in ((1.1, {EASY, second}), (0.9, {EASY})):
         pair = pair_beside(first, alone, adds * needed)
@@ -323,10 +323,19 @@ def test_a_look_alike_that_repairs_the_first_is_not_named():
     assert needed_of(pair, [weak, second], T) is pair
 
 
+def test_a_second_effect_that_adds_a_small_share_of_the_first_repairs_it():
+    """Below a tenth of the first one's evidence it is a remainder of it, however much it adds."""
+    first, alone = with_evidence(EASY, 100.0 * MUCH), candidate(OTHER_EASY, 0.1)
+    for share, both in ((0.9, False), (1.1, True)):
+        pair = pair_beside(first, alone, share * T.second_share * first.evidence)
+        assert (needed_of(pair, [first, alone], T) is pair) is both
+
+
 def test_a_second_effect_that_held_out_trajectories_do_not_confirm_is_not_named():
     """The pair must predict them better than the first alone, beyond chance, or add much in most trajectories."""
     second = next(name for name in EFFECTS if name not in (EASY, HARD) and not T.is_resembled((name,)))
-    first, alone = with_evidence(EASY, MUCH), with_evidence(second, 3.0 * T.claim(second))
+    evidence = 20.0 * T.claim(second)
+    first, alone = with_evidence(EASY, evidence), with_evidence(second, 4.0 * T.claim(second))
     adds = 2.5 * T.claim(second)
     by_two = np.zeros(25)
     by_two[:2] = 0.5 * adds
@@ -337,7 +346,7 @@ def test_a_second_effect_that_held_out_trajectories_do_not_confirm_is_not_named(
         (-scattered(adds, 0.9), np.full(25, adds / 25), {EASY}),
     ):
         pair = with_evidence(
-            (EASY, second), MUCH + adds, gains=first.gains + gains,
+            (EASY, second), evidence + adds, gains=first.gains + gains,
             evidence_per_trajectory=first.evidence_per_trajectory + spread_over,
         )  # fmt: skip
         assert set(needed_of(pair, [first, alone], T).names) == named
@@ -399,7 +408,7 @@ def test_structure_speaks_for_what_is_not_listed():
 
 def test_a_pair_of_which_one_suffices_is_as_if_objected_to():
     """Its probability is less than that of the same evidence where both are needed."""
-    first, alone = with_evidence(EASY, MUCH), candidate(OTHER_EASY, 1.2)
+    first, alone = with_evidence(EASY, 9.0 * T.claim(OTHER_EASY)), candidate(OTHER_EASY, 1.2)
     little, enough = (pair_beside(first, alone, adds * T.claim(OTHER_EASY)) for adds in (0.99, 1.01))
     chances = [decided([first, alone], [pair]).probabilities[pair.label] for pair in (little, enough)]
     assert chances[1] > 0.5 > chances[0]
@@ -447,16 +456,16 @@ def test_evidence_in_proportion_to_the_data_is_never_enough():
 
 def test_larger_errors_of_the_simulation_forbid_a_claim_and_prefer_no_other_effect():
     """Three times the usual errors bring nine times the evidence; an imitation with less evidence is not named then."""
-    large = T.for_data(0, 1.0, 3.0)
+    large = T.with_errors(3.0)
     assert large.claim(HARD) == pytest.approx(9.0 * T.claim(HARD))
     assert large.claim(EASY) == pytest.approx(3.0 * T.claim(EASY))
-    assert T.for_data(0, 1.0, 0.5).claim(HARD) == T.claim(HARD)
-    true, imitation = with_evidence(HARD, 8.0 * T.claim(HARD)), with_evidence(EASY, 4.0 * T.claim(HARD))
-    assert imitation.objections(large) == ()
-    assert len(true.objections(large)) > 0
-    gains = {one.label: one.gains for one in (true, imitation)}
-    for thresholds, named in ((T, (HARD,)), (large, ())):
-        assert decide([true, imitation], [], gains, plain_metric(), NOTHING_LEFT, thresholds).claimed == named
+    assert T.with_errors(0.5).claim(HARD) == T.claim(HARD)
+    for size, named in ((1.0, (HARD,)), (3.0, ())):
+        true = with_evidence(HARD, 8.0 * T.claim(HARD), error_size=size)
+        imitation = with_evidence(EASY, 4.0 * T.claim(HARD), error_size=size)
+        assert imitation.objections(T) == ()
+        assert (true.objections(T) == ()) == (size == 1.0)
+        assert decided([true, imitation]).claimed == named
 
 
 def test_a_number_that_shows_at_no_place_is_said_beside_those_of_its_effect_that_do():
