@@ -61,8 +61,15 @@ def fine_tune(
         with progress("fine-tuning", quiet=as_json) as tell:
             tuned = learn(vae, digest, parts[0], parts[1], options, out, device, tell)
     if as_json:
-        emit({**vars(tuned), "checkpoint": str(tuned.checkpoint), "model": digest})
+        told = {**vars(tuned), "checkpoint": str(tuned.checkpoint), "model": digest, "is_worse": tuned.is_worse}
+        emit(told)
         return
     say(f"learned from {tuned.pictures} pictures, starting from model {digest[:12]}")
     say(f"decoded pictures of the val part differ by {tuned.after:.2f} grey levels; before, by {tuned.before:.2f}")
+    if tuned.is_worse:
+        say(
+            f"wrote {tuned.checkpoint}; but it draws these pictures worse than the model it began with: keep that one,"
+            " or try more pictures, more --epochs or a smaller --learning-rate"
+        )
+        return
     say(f"wrote {tuned.checkpoint}: name it with --model")

@@ -52,6 +52,11 @@ class FineTuned:
     before: float
     after: float
 
+    @property
+    def is_worse(self) -> bool:
+        """Whether pictures that were not learned from are drawn worse than before."""
+        return self.after > self.before
+
 
 class SizedPictures:
     """Items ``image`` (n, h, w, 3), uint8: a part's pictures at a VAE's size, then backgrounds of its sensors.

@@ -48,6 +48,20 @@ def test_it_learns_and_again_is_no_change(touch_store, place, capsys):
     assert "another state" in json.loads(out)["error"]
 
 
+def test_a_model_that_became_worse_is_said(touch_store, place, capsys):
+    """Steps far too large spoil a model: the command says so, and so does its document; a good one is not blamed."""
+    typed = ["fine-tune", touch_store, "--model", place / "vae.ckpt", "--epochs", "1"]
+    spoilt = ["--learning-rate", "0.1", "--out", place / "spoilt"]
+    code, out, _ = run_command(capsys, *typed, *spoilt)
+    assert code == 0
+    assert "worse than the model it began with" in " ".join(out.split())
+    _, out, _ = run_command(capsys, *typed, *spoilt, "--json")
+    assert json.loads(out)["is_worse"] is True
+    _, out, _ = run_command(capsys, *typed, "--learning-rate", "0.003", "--out", place / "good")
+    assert "worse" not in out
+    assert "name it with --model" in out
+
+
 @pytest.mark.parametrize(
     ("words", "code", "says"),
     [
