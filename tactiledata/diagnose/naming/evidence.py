@@ -123,7 +123,11 @@ class ScoredCandidate:
         return self.evidence - float(np.sort(self.evidence_per_trajectory)[-MOST_INFLUENTIAL:].sum())
 
     def needed(self, thresholds: DecisionThresholds) -> float:
-        """Return the evidence that a claim of the candidate needs beside the errors that the simulation then has."""
+        """Return the evidence that a claim of the candidate needs beside the errors that the simulation then has.
+
+        Only the whole evidence has to reach it. What has to remain without the two trajectories that contribute most is
+        counted by what a claim needs beside usual errors (`DecisionThresholds.needed`).
+        """
         return thresholds.with_errors(self.error_size).needed(self.names)
 
     def share_of_need(self, thresholds: DecisionThresholds) -> float:
@@ -138,7 +142,7 @@ class ScoredCandidate:
         ``structure_evidence`` times the evidence that a claim needs remains without the two trajectories that
         contribute most: where an effect is much stronger in some trajectories than in others, gains differ as much.
         """
-        is_much = self.evidence_without_best_two >= thresholds.structure_evidence * self.needed(thresholds)
+        is_much = self.evidence_without_best_two >= thresholds.structure_evidence * thresholds.needed(self.names)
         return self.gain > 0 and (
             self.gain >= thresholds.gain_sigmas * self.gain_error
             or self.indenter_gain >= thresholds.gain_sigmas * self.indenter_error
@@ -162,7 +166,7 @@ class ScoredCandidate:
         trajectories that contribute most to it.
         """
         return self.signature_before >= thresholds.signature_threshold or (
-            self.has_certain_gain(thresholds) and self.evidence_without_best_two >= self.needed(thresholds)
+            self.has_certain_gain(thresholds) and self.evidence_without_best_two >= thresholds.needed(self.names)
         )
 
     def beyond(self, thresholds: DecisionThresholds) -> float:
@@ -180,9 +184,8 @@ class ScoredCandidate:
         claim needs remains without the two trajectories that contribute most. Other errors that are left beside such
         an effect do not speak against it.
         """
-        return self.signature_before >= thresholds.decisive_signature and self.evidence_without_best_two >= self.needed(
-            thresholds
-        )
+        is_broad = self.evidence_without_best_two >= thresholds.needed(self.names)
+        return self.signature_before >= thresholds.decisive_signature and is_broad
 
     @property
     def is_worse_on_indenters(self) -> bool:
@@ -191,7 +194,7 @@ class ScoredCandidate:
 
     def is_structure(self, thresholds: DecisionThresholds) -> bool:
         """Whether the evidence is far beyond a claim's, even if no claim is possible: the residual has structure."""
-        is_much = self.evidence_without_best_two >= thresholds.structure_evidence * self.needed(thresholds)
+        is_much = self.evidence_without_best_two >= thresholds.structure_evidence * thresholds.needed(self.names)
         return is_much and self.is_certain(thresholds)
 
     def is_trace(self, thresholds: DecisionThresholds) -> bool:
@@ -212,7 +215,7 @@ class ScoredCandidate:
             reasons.append(
                 f"the evidence is {self.evidence:.1f}, and errors of the simulation alone can bring up to {needed:.0f}"
             )
-        if self.evidence_without_best_two < thresholds.broad_share * needed:
+        if self.evidence_without_best_two < thresholds.broad_share * thresholds.needed(self.names):
             reasons.append(
                 f"the evidence is {self.evidence_without_best_two:.1f} without the two trajectories that contribute"
                 " most"
@@ -233,7 +236,7 @@ class ScoredCandidate:
             reasons.append(f"the trajectories do not agree on the effect ({self.signature_before:.1f} standard errors)")
         if abs(self.signature_after) > max(thresholds.signature_threshold, 0.5 * self.signature_before):
             reasons.append("the residual still holds the change that the effect should remove")
-        at_bound = thresholds.at_bound * needed
+        at_bound = max(needed, thresholds.at_bound * thresholds.needed(self.names))
         if POISSON_RATIO in self.at_bounds and thresholds.is_resembled(self.names) and self.evidence < at_bound:
             reasons.append(
                 f"{POISSON_RATIO} stands at an end of the range that was tried, where errors of the simulation bring up"
