@@ -3,7 +3,8 @@
 Recordings come in by `formats` and `ingest`, lie in a `store`, and go out by `splits` and `loaders`, or in formats of
 others by `export`. `gel`, `effects` and `optics` simulate a touch; `calibrate` and `replay` fit and play recordings;
 `diagnose` names the physics that the simulation lacks. `view` shows single touches; `rig` makes recordings with known
-truth, and `prove` puts the diagnosis to the proof with them; `cli` is the command line. docs/architecture.md has a map.
+truth, and `prove` puts the diagnosis to the proof with them; `cli` is the command line, and `__main__` runs it as
+`python -m tactiledata`. docs/architecture.md has a map.
 
 These parts share `sensors` and `indenters` (which instruments, which solids), `nuisance` (differences that are no
 physics), `metrics` and `scoring` (how far apart pictures are), `report` (pages) and `compute` (where tasks run). At the

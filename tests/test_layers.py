@@ -48,6 +48,8 @@ RIG_MAY_IMPORT = {
     "tactiledata.indenters",
     "tactiledata.rig",
 }
+ABOVE_ALL = {"tactiledata", "tactiledata.__main__"}
+"""Modules that have no layer and may import every one: the names of the package, and its command."""
 SOURCES = sorted(path for package in ("tactiledata", "split_models") for path in (ROOT / package).rglob("*.py"))
 
 
@@ -82,7 +84,7 @@ def test_imports_point_down(path):
     """No import goes up, sideways in a row, or from the rig to what it must be independent of."""
     importer = module_of(path)
     here = place(importer)
-    assert here is not None or importer == "tactiledata", f"{importer} has no layer; add it to LAYERS"
+    assert here is not None or importer in ABOVE_ALL, f"{importer} has no layer; add it to LAYERS"
     for target in imported(path):
         there = place(target)
         if here is None or there is None:

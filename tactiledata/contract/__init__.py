@@ -5,6 +5,7 @@
   inside.
 - ``image_bytes``: pictures, decoded in one way, and the limit of their decoded size. ``picture_kinds``: those that are
   not 8-bit RGB. ``image_sizes``: strays in size. ``image_batches``: how many are read at once.
+- ``arrow_memory``: bytes that threads of Arrow may let go of at any time.
 - ``tensor_files``, ``lfs_pointer``: files from strangers. ``simulated``, ``wording``: words that are the same
   everywhere.
 - ``ros2_messages``: messages as they stand in an MCAP.

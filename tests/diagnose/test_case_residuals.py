@@ -39,16 +39,17 @@ def quiet():
     return plain_fit(null(3000, trajectories=24))
 
 
-def test_nulls_are_seldom_structured():
-    """Of 6 worlds with errors of contact laws, jitter and coloured noise, at most one alarms."""
-    alarms = [located(World(), 24, seed, 299).is_structured for seed in range(9100, 9106)]
-    assert sum(alarms) <= 1
-
-
 def test_the_level_holds_over_many_nulls():
-    """The share of 30 nulls that are called structured is at most 5 % plus three standard errors of that share."""
-    alarms = [located(World(), 24, seed, 299).is_structured for seed in range(9000, 9030)]
-    assert np.mean(alarms) <= 0.05 + 3 * np.sqrt(0.05 * 0.95 / 30)
+    """Of 14 worlds with errors of contact laws, jitter and coloured noise, at most two are called structured.
+
+    At the level of 5 %, more alarm with a probability of 3 %; where 3 of 10 nulls alarm, more do with 84 %. P-values
+    that are too small show without an alarm as well: at most six of the 14 smallest ones lie below 0.25. At the level,
+    more do with 4 %; where 6 of 10 do, it shows with 85 %.
+    """
+    found = [located(World(), 24, seed, 299) for seed in range(9000, 9014)]
+    smallest = np.array([min(one.p.values()) for one in found])
+    assert sum(one.is_structured for one in found) <= 2
+    assert (smallest < 0.25).sum() <= 6
 
 
 @pytest.mark.parametrize(

@@ -1,11 +1,10 @@
 """Recordings become a store: whole, once, the same whoever does the work and whenever it is killed."""
 
 import json
+import multiprocessing
 import os
 import random
 import shutil
-import subprocess
-import sys
 import time
 
 import numpy as np
@@ -111,11 +110,9 @@ def test_workers_change_nothing(tiny_mcaps, tiny_store, tmp_path):
 def test_killed_at_any_moment_it_goes_on(tiny_mcaps, tiny_store, tmp_path):
     """An ingest that is killed at random moments and resumed gives the manifest of an uninterrupted one."""
     clock = random.Random(20)
-    program = (
-        "import sys; from tactiledata.ingest.pipeline import ingest\n"
-        "sys.stdout.write('ready\\n'); sys.stdout.flush()\n"
-        "ingest(sys.argv[2:], sys.argv[1])"
-    )
+    # a process that has imported the toolkit once makes those that are killed
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload([ingest.__module__])
     started = time.monotonic()
     ingest(tiny_mcaps, tmp_path / "timed.zarr")
     span = time.monotonic() - started
@@ -124,15 +121,14 @@ def test_killed_at_any_moment_it_goes_on(tiny_mcaps, tiny_store, tmp_path):
         if kills >= 20:
             break
         store = tmp_path / f"{trial}.zarr"
-        command = [sys.executable, "-c", program, str(store), *map(str, tiny_mcaps)]
-        for _ in range(2):
-            process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
-            process.stdout.readline()
-            time.sleep(clock.uniform(0, 1.1 * span))
-            kills += process.poll() is None
+        for _ in range(3):
+            process = context.Process(target=ingest, args=(tiny_mcaps, store))
+            process.start()
+            process.join(clock.uniform(0, 1.1 * span))
+            kills += process.exitcode is None
             process.kill()
-            process.wait()
-            process.stdout.close()
+            process.join()
+            process.close()
         ingest(tiny_mcaps, store)
         assert manifest(store) == manifest(tiny_store)
         assert check(store) == []

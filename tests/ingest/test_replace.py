@@ -1,9 +1,8 @@
 """A recording that was corrected takes the place of what a store holds of it, and of nothing else."""
 
+import multiprocessing
 import random
 import shutil
-import subprocess
-import sys
 import time
 from contextlib import contextmanager
 
@@ -196,11 +195,9 @@ def test_copies_of_a_recording_among_several_workers(tiny_mcaps, tiny_store, tmp
 def test_killed_while_replacing(tiny_mcaps, tiny_store, wrong, tmp_path):
     """Kill -9 at random moments: the store is whole each time, and the same call ends with the corrected store."""
     clock = random.Random(3)
-    program = (
-        "import sys; from tactiledata.ingest.pipeline import ingest\n"
-        "sys.stdout.write('ready\\n'); sys.stdout.flush()\n"
-        "ingest(sys.argv[2:], sys.argv[1], replace=True)"
-    )
+    # a process that has imported the toolkit once makes those that are killed
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload([ingest.__module__])
     started = time.monotonic()
     ingest(tiny_mcaps, copy_tree(wrong, tmp_path / "timed.zarr"), replace=True)
     span = time.monotonic() - started
@@ -208,14 +205,13 @@ def test_killed_while_replacing(tiny_mcaps, tiny_store, wrong, tmp_path):
     for trial in range(4):
         store = copy_tree(wrong, tmp_path / f"{trial}.zarr")
         for _ in range(2):
-            command = [sys.executable, "-c", program, str(store), *map(str, tiny_mcaps)]
-            process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
-            process.stdout.readline()
-            time.sleep(clock.uniform(0, 1.1 * span))
-            kills += process.poll() is None
+            process = context.Process(target=ingest, args=(tiny_mcaps, store), kwargs={"replace": True})
+            process.start()
+            process.join(clock.uniform(0, 1.1 * span))
+            kills += process.exitcode is None
             process.kill()
-            process.wait()
-            process.stdout.close()
+            process.join()
+            process.close()
             assert [one.code for one in check(store) if one.severity != "info"] == []
         ingest(tiny_mcaps, store, replace=True)
         assert seen(store) == seen(tiny_store)

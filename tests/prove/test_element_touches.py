@@ -254,12 +254,15 @@ def test_an_unknown_shape_is_refused():
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("shape", "sizes", "depth", "bound"),
-    [("sphere", {"radius": 3e-3}, 0.6, 0.02), ("cylinder_flat", {"radius": 2e-3}, 0.4, 0.04)],
+    [("sphere", {"radius": 3e-3}, 0.6, 0.014), ("cylinder_flat", {"radius": 2e-3}, 0.4, 0.028)],
 )
 def test_forces_are_converged(shape, sizes, depth, bound):
-    """BrickForces of a ball change by at most 2 %, those of a punch by at most 4 %, on a grid 1.4 times as fine."""
+    """Forces of a ball change by at most 1.4 %, those of a punch by at most 2.8 %, on a grid 1.25 times as fine.
+
+    Of an error in proportion to the spacing that is as much as 2 % and 4 % on a grid 1.4 times as fine.
+    """
     travel = travel_of([(0, 0, -0.2), (0, 0, depth), (0.2, 0, depth)], shape, sizes)
     gel = GelPad((12.0, 12.0), 4.1, 0.476, 0.62)
-    usual, fine = (solve_touch(gel, travel, finer).wrench for finer in (1.0, 1.4))
+    usual, fine = (solve_touch(gel, travel, finer).wrench for finer in (1.0, 1.25))
     for row, column in ((140, 2), (-1, 2), (-1, 0)):
         assert usual[row, column] == pytest.approx(fine[row, column], rel=bound)

@@ -9,6 +9,7 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from tactiledata.contract.arrow_memory import arrow_reader
 from tactiledata.contract.provenance import bytes_digest
 from tactiledata.errors import StoreError, UnknownName
 from tactiledata.store.layout.places import TABLE_SCHEMAS, table_folder
@@ -73,4 +74,4 @@ class IndexTables:
                 "all damage.",
             )
         self._whole_parts.add(path)
-        return pa.BufferReader(content)
+        return arrow_reader(content)

@@ -180,6 +180,8 @@ def test_planted_effects_are_named_or_in_the_set(name):
 
 
 def test_nulls_are_seldom_named():
-    """A name is given to at most one of 12 nulls."""
-    named = [seed for seed in range(12) if answer(null(2000 + seed), effects=None).is_missing]
-    assert len(named) <= 1
+    """A name is given to none of 7 nulls.
+
+    Where 2 of 10 nulls are given one, it shows with a probability of 79 %; where 3 are, with 92 %.
+    """
+    assert [seed for seed in range(7) if answer(null(2000 + seed), effects=None).is_missing] == []

@@ -94,11 +94,12 @@ def their_forces(depths: list[float], is_linear: bool) -> list[np.ndarray]:
 
 @pytest.mark.slow
 def test_force_at_finite_strain():
-    """Within two percent at 0.2, 0.5 and 1 mm, sideways force included; the linear law is not (negative control)."""
-    depths = [0.2e-3, 0.5e-3, 1.0e-3]
-    ours = our_forces(depths)
-    theirs = their_forces(depths, is_linear=False)
-    for mine, other in zip(ours, theirs, strict=True):
-        assert np.linalg.norm(mine - other) < 0.02 * np.linalg.norm(other)
-    linear = their_forces(depths[-1:], is_linear=True)[0]
-    assert np.linalg.norm(linear - theirs[-1]) > 0.04 * np.linalg.norm(theirs[-1])
+    """Within two percent at 1 mm, sideways force included; the linear law is not (negative control).
+
+    One depth is enough: a wrong law errs most where strains are largest, a wrong stiffness alike at all depths.
+    """
+    depth = 1.0e-3
+    (ours,), (theirs,) = our_forces([depth]), their_forces([depth], is_linear=False)
+    assert np.linalg.norm(ours - theirs) < 0.02 * np.linalg.norm(theirs)
+    (linear,) = their_forces([depth], is_linear=True)
+    assert np.linalg.norm(linear - theirs) > 0.04 * np.linalg.norm(theirs)
