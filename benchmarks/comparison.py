@@ -302,7 +302,7 @@ def row_of_reading(log: Path, store: Any, folder: Path, owners: str) -> tuple[st
         shuffled = np.random.default_rng(0).permutation(pictures)[:20].tolist()
         start = time.process_time()
         for moment in shuffled:
-            for schema, _, message in reader.iter_messages(start_time=moment, end_time=moment + 1):
+            for schema, _, message in reader.iter_messages(starting_at=moment, ending_before=moment + 1):
                 if schema is not None and "Image" in schema.name:
                     content = message.data[message.data.find(b"\xff\xd8\xff") :]
                     cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR_RGB)
