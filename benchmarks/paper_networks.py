@@ -54,10 +54,8 @@ from tactiledata.splits.make import make_split
 from tactiledata.store.read.reader import Store
 from tactiledata.store.read.targets import find_target
 
-STEPS = 2
-"""Steps of each network."""
-COMPARED = 4
-"""Frames whose results on the device and on the CPU are compared."""
+STEPS, COMPARED = 2, 4
+"""Steps of each network, and frames whose results on the device and on the CPU are compared."""
 WORLD = {
     "format": "tactiledata-scenario/1",
     "seed": 7,
