@@ -39,6 +39,15 @@ class DaskScheduler(Scheduler):
 
         Tasks of a worker that dies go to another one.
 
+        Parameters
+        ----------
+        function : callable
+            Is called with each task.
+        tasks : sequence
+            The tasks.
+        ahead : int, optional
+            See `Scheduler.outcomes`.
+
         Raises
         ------
         UsageError

@@ -30,7 +30,17 @@ class LocalScheduler(Scheduler):
     def outcomes(
         self, function: Callable[[T], R], tasks: Sequence[T], ahead: int | None = None
     ) -> Iterator[Outcome[T, R]]:
-        """Yield one `Outcome` per task in order."""
+        """Yield one `Outcome` per task in order.
+
+        Parameters
+        ----------
+        function : callable
+            Is called with each task.
+        tasks : sequence
+            The tasks.
+        ahead : int, optional
+            See `Scheduler.outcomes`.
+        """
         if self.workers == 1 or len(tasks) < 2:
             for task in tasks:
                 yield attempt(function, task)
