@@ -92,13 +92,13 @@ class DecodedCache:
         start = slot * self._slot_bytes
         try:
             descriptor = self._opened()
-            record = os.pread(descriptor, RECORD.size, start + self._bytes)
+            record = os.pread(descriptor.number, RECORD.size, start + self._bytes)
             if len(record) < RECORD.size:
                 return False
             mark, count, owner, checksum = RECORD.unpack(record)
             if (mark, count, owner) != (MARK, self._bytes, row):
                 return False  # empty
-            if os.preadv(descriptor, [target.data], start) == self._bytes and checksum == _checksum(target):
+            if os.preadv(descriptor.number, [target.data], start) == self._bytes and checksum == _checksum(target):
                 return True
             reason = "a checksum does not fit"
         except OSError as error:
@@ -123,8 +123,8 @@ class DecodedCache:
         record = RECORD.pack(MARK, self._bytes, row, _checksum(picture))
         try:
             descriptor = self._opened()
-            if os.pwrite(descriptor, picture.data, start) == self._bytes:
-                os.pwrite(descriptor, record, start + self._bytes)
+            if os.pwrite(descriptor.number, picture.data, start) == self._bytes:
+                os.pwrite(descriptor.number, record, start + self._bytes)
                 return
             reason = "the disk is full"
         except OSError as error:
@@ -137,10 +137,16 @@ class DecodedCache:
             self._warned.add(kind)
             warnings.warn(f"{text}; it is decoded from the store", DecodedCacheWarning, stacklevel=2)
 
-    def _opened(self) -> int:
-        if self._descriptor is None:
-            self._descriptor = _Descriptor(self._path)
-        return self._descriptor.number
+    def _opened(self) -> _Descriptor:
+        """Return the open file; the caller holds it as long as it uses its number.
+
+        After a dataset was copied to another process, several threads may open the file at once. The last one stays;
+        the others must not be closed, and their numbers given to other files, before their threads are done.
+        """
+        descriptor = self._descriptor
+        if descriptor is None:
+            descriptor = self._descriptor = _Descriptor(self._path)
+        return descriptor
 
     def open(self) -> None:
         """Open the file of slots, made where it is missing, and say to others that it is in use.

@@ -6,6 +6,7 @@ import os
 import pickle
 import shutil
 import signal
+import threading
 import time
 import warnings
 from pathlib import Path
@@ -15,8 +16,9 @@ import numpy as np
 import pytest
 
 from tactiledata.errors import StoreError, UsageError
+from tactiledata.loaders import decoded_cache
 from tactiledata.loaders.cache_room import ROW_BYTES
-from tactiledata.loaders.decoded_cache import PAGE, DecodedCacheWarning
+from tactiledata.loaders.decoded_cache import PAGE, DecodedCache, DecodedCacheWarning
 from tactiledata.loaders.numpy import TactileArrays
 from tactiledata.store.read.files import LocalFiles
 
@@ -244,6 +246,40 @@ def test_killed_while_it_writes_it_goes_on(place, tmp_path):
             warnings.simplefilter("error")
             for _ in range(2):
                 np.testing.assert_array_equal(whole(arrays(place, tmp_path)), plain)
+
+
+def test_threads_that_open_it_at_once_do_not_close_each_others_file(tmp_path, monkeypatch):
+    """A copy opens its file at the first read: here by two threads, of which one reads while the other still opens."""
+    kept = DecodedCache(tmp_path / "slots", np.arange(2), 2, (4, 3, 3))
+    kept.open()
+    pictures = np.random.default_rng(0).integers(0, 256, (2, 4, 3, 3), np.uint8)
+    for row in range(2):
+        kept.keep(row, pictures[row])
+    both, first_reads, second_is_open = threading.Barrier(2), threading.Event(), threading.Event()
+    open_slots, pread = decoded_cache.open_slots, os.pread
+
+    def slow_open(path, flags=0):
+        if both.wait(10) == 1:
+            assert first_reads.wait(10)
+        return open_slots(path, flags)
+
+    def slow_read(*asked):
+        if first_reads.is_set():
+            second_is_open.set()
+        else:
+            first_reads.set()
+            assert second_is_open.wait(10)
+        return pread(*asked)
+
+    monkeypatch.setattr(decoded_cache, "open_slots", slow_open)
+    monkeypatch.setattr(os, "pread", slow_read)
+    copy, found = pickle.loads(pickle.dumps(kept)), np.zeros_like(pictures)
+    threads = [threading.Thread(target=copy.read, args=(row, found[row])) for row in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    np.testing.assert_array_equal(found, pictures)
 
 
 @pytest.mark.slow
