@@ -111,6 +111,10 @@ def test_document_and_page_say_it(which, request):
     ):
         assert places == sorted(places), text[:200]
     assert opened.count("<p>") == 3
+    # what readings show by themselves comes after a name, and before "nothing is named"
+    drift = "The zero drifts."
+    told = naming_page("Diagnosis", naming, shown.located, shown, [], [], "", first=[drift]).partition("<details>")[0]
+    assert (told.index(claim[:40]) < told.index(drift)) == (which == "relaxed")
     assert html.count("<details>") == html.count("</details>") == html.count("<summary>")
     parts = ("Where", "How", "How much better") if which == "relaxed" else ("Where", "How much better")
     words = folded.split("</details>")[0]

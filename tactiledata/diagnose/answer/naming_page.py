@@ -93,9 +93,11 @@ def naming_page(
     sections = [replace(section, is_folded=True) for section in details]
     if trials:
         sections.insert(0, Section("What to record next", columns=("trial", "file"), rows=list(trials)))
+    # what is missing comes first; where nothing is named, what the readings show by themselves does
+    claim, *others = _in_short(answer, shown)
+    beginning = [claim, *first, *others] if answer.names else [*first, claim, *others]
     return render_page(
-        title, [*first, *_in_short(answer, shown)], sections, footer, simulated,
-        worst_picture(naming, shown, simulated.heading),
+        title, beginning, sections, footer, simulated, worst_picture(naming, shown, simulated.heading)
     )  # fmt: skip
 
 
