@@ -61,8 +61,7 @@ def fine_tune(
         with progress("fine-tuning", quiet=as_json) as tell:
             tuned = learn(vae, digest, parts[0], parts[1], options, out, device, tell)
     if as_json:
-        told = {**vars(tuned), "checkpoint": str(tuned.checkpoint), "model": digest, "is_worse": tuned.is_worse}
-        emit(told)
+        emit({**vars(tuned), "checkpoint": str(tuned.checkpoint), "model": digest, "is_worse": tuned.is_worse})
         return
     say(f"learned from {tuned.pictures} pictures, starting from model {digest[:12]}")
     say(f"decoded pictures of the val part differ by {tuned.after:.2f} grey levels; before, by {tuned.before:.2f}")

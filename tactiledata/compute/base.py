@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
@@ -50,6 +51,31 @@ class Scheduler(ABC):
             Largest number of tasks that are begun before the reader has their results. The default is two for each
             worker, which bounds memory; where results are small, more keep workers busy behind a slow task.
         """
+
+
+def in_order(
+    tasks: Sequence[T], begin: Callable[[T], Any], end: Callable[[T, Any], Outcome[T, R]], ahead: int
+) -> Iterator[Outcome[T, R]]:
+    """Yield the outcome of each task in order, while a limited number of tasks is under way.
+
+    Parameters
+    ----------
+    tasks : sequence
+        The tasks.
+    begin : callable
+        Begins a task; returns what stands for its outcome.
+    end : callable
+        Waits for the outcome of a task, from the task and what stands for its outcome.
+    ahead : int
+        Largest number of tasks under way.
+    """
+    waiting: deque[tuple[T, Any]] = deque()
+    for task in tasks:
+        waiting.append((task, begin(task)))
+        if len(waiting) >= ahead:
+            yield end(*waiting.popleft())
+    while waiting:
+        yield end(*waiting.popleft())
 
 
 def attempt(function: Callable[[Any], Any], task: Any) -> Outcome[Any, Any]:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import logging
-from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-from tactiledata.compute.base import Outcome, R, Scheduler, T, attempt
+from tactiledata.compute.base import Outcome, R, Scheduler, T, attempt, in_order
 from tactiledata.errors import TactileDataError, UsageError
 
 CONNECT_TIMEOUT = 20.0
@@ -76,13 +75,9 @@ class DaskScheduler(Scheduler):
         with _without_log("distributed.client"), client, few_warnings:
             self._need_workers(client)
             most = max(ahead or 0, 4, 2 * sum(client.ncores().values()))
-            waiting: deque = deque()
-            for task in tasks:
-                waiting.append((task, client.submit(attempt, function, task, pure=False)))
-                if len(waiting) >= most:
-                    yield self._collect(*waiting.popleft())
-            while waiting:
-                yield self._collect(*waiting.popleft())
+            yield from in_order(
+                tasks, lambda task: client.submit(attempt, function, task, pure=False), self._collect, most
+            )
 
     def _need_workers(self, client: Any) -> None:
         """Refuse a scheduler without workers: tasks would wait for ever."""

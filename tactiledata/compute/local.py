@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from typing import Any
 
-from tactiledata.compute.base import Outcome, R, Scheduler, T, attempt
+from tactiledata.compute.base import Outcome, R, Scheduler, T, attempt, in_order
 from tactiledata.contract.worker_pool import worker_pool
 from tactiledata.errors import TactileDataError, UsageError
 
@@ -45,14 +44,10 @@ class LocalScheduler(Scheduler):
             for task in tasks:
                 yield attempt(function, task)
             return
-        waiting: deque[tuple[T, Future[Outcome[Any, Any]]]] = deque()
         with worker_pool(self.workers) as pool:
-            for task in tasks:
-                waiting.append((task, _submitted(pool, function, task)))
-                if len(waiting) >= max(ahead or 0, 2 * self.workers):
-                    yield _collect(*waiting.popleft())
-            while waiting:
-                yield _collect(*waiting.popleft())
+            yield from in_order(
+                tasks, lambda task: _submitted(pool, function, task), _collect, max(ahead or 0, 2 * self.workers)
+            )
 
 
 def _submitted(pool: ProcessPoolExecutor, function: Callable[[Any], Any], task: Any) -> Future[Outcome[Any, Any]]:

@@ -50,7 +50,7 @@ def test_local_outcomes_keep_order_and_errors(workers):
 
 
 def test_a_slow_task_does_not_hold_up_the_others(tmp_path):
-    """Where the caller allows it, all tasks are begun while the first one runs; else only a few, for memory."""
+    """All tasks are begun while the first one runs, if the caller allows it; otherwise only a few are."""
     (tmp_path / "few").mkdir()
     few = [(number, tmp_path / "few", 0.5) for number in range(9)]
     assert not next(iter(SCHEDULERS["local"](2).outcomes(met, few))).result

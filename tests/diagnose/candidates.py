@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from tactiledata.diagnose.naming.decide import decide
 from tactiledata.diagnose.naming.evidence import ScoredCandidate
 from tactiledata.diagnose.naming.metric import RandomEffects
 from tactiledata.diagnose.naming.remaining_structure import RemainingStructure
@@ -87,3 +88,11 @@ STRUCTURE = RemainingStructure(
 """Structure in most trajectories."""
 IN_FEW = RemainingStructure(DEFAULT_THRESHOLDS.structure_dispersion + 0.2, 1.0)
 """Much in two trajectories, noise in the others."""
+MUCH = 10.0 * (DEFAULT_THRESHOLDS.needed((EASY, HARD)) + DEFAULT_THRESHOLDS.tie_evidence / DEFAULT_THRESHOLDS.tie_share)
+"""Evidence far beyond what two effects need, so that the margin of a tie is a share of it."""
+
+
+def decided(singles, pairs=(), left=NOTHING_LEFT):
+    """The answer to scored candidates."""
+    gains = {one.label: one.gains for one in (*singles, *pairs)}
+    return decide(singles, list(pairs), gains, plain_metric(), left, DEFAULT_THRESHOLDS)

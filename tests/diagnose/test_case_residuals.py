@@ -40,7 +40,7 @@ def quiet():
 
 
 def test_the_level_holds_over_many_nulls():
-    """Of 14 worlds with errors of contact laws, jitter and coloured noise, at most two are called structured.
+    """At most two of 14 null worlds are called structured: contact laws err, offsets jitter, the noise has memory.
 
     At the level of 5 %, more alarm with a probability of 3 %; where 3 of 10 nulls alarm, more do with 84 %. P-values
     that are too small show without an alarm as well: at most six of the 14 smallest ones lie below 0.25. At the level,

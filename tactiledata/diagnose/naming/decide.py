@@ -192,18 +192,15 @@ def needed_of(
             adds < thresholds.remainder_share * alone[other].evidence
             and adds < thresholds.remainder_share * alone[name].evidence
         )
-        is_little = (
-            adds < thresholds.with_errors(pair.error_size).claim(other)
-            or adds < thresholds.second_share * alone[name].evidence
-            or is_remainder
-        )
+        needs = thresholds.with_errors(pair.error_size).claim(other)
+        is_little = adds < needs or adds < thresholds.second_share * alone[name].evidence or is_remainder
         is_plausible = not alone[name].implausible or alone[name].is_whole_cause(thresholds)
-        if is_plausible and (is_little or not _is_confirmed(pair, alone[name], other, thresholds)):
+        if is_plausible and (is_little or not _is_confirmed(pair, alone[name], needs, thresholds)):
             sufficient.append(alone[name])
     return max(sufficient, key=_evidence, default=pair)
 
 
-def _is_confirmed(pair: ScoredCandidate, single: ScoredCandidate, second: str, thresholds: DecisionThresholds) -> bool:
+def _is_confirmed(pair: ScoredCandidate, single: ScoredCandidate, needs: float, thresholds: DecisionThresholds) -> bool:
     """Return whether held-out trajectories are predicted better with the second effect than with the other one alone.
 
     The gain of the pair less that of the single is positive, and has ``gain_sigmas`` standard errors; or the evidence
@@ -212,7 +209,7 @@ def _is_confirmed(pair: ScoredCandidate, single: ScoredCandidate, second: str, t
     gains = pair.gains - single.gains
     added = np.sort(pair.evidence_per_trajectory - single.evidence_per_trajectory)[:-MOST_INFLUENTIAL]
     is_more = gains.sum() >= thresholds.gain_sigmas * error_of_sum(gains)
-    return bool(gains.sum() > 0 and (is_more or added.sum() >= thresholds.with_errors(pair.error_size).claim(second)))
+    return bool(gains.sum() > 0 and (is_more or added.sum() >= needs))
 
 
 def _evidence(candidate: ScoredCandidate) -> float:

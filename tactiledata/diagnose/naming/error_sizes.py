@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -75,12 +75,24 @@ def with_estimated_sizes(whitened: WhitenedTouches, fit: JointFit) -> WhitenedTo
 
     Source: MacKay, Neural Computation 4 (1992), the evidence for hyperparameters.
     """
+    return replace(whitened, errors=whitened.errors.with_sizes(estimated_sizes(whitened, fit)))
+
+
+def estimated_sizes(whitened: WhitenedTouches, fit: JointFit) -> dict[tuple[str, str], float]:
+    """Return the sizes that `with_estimated_sizes` gives the errors, by family and indenter.
+
+    Parameters
+    ----------
+    whitened : WhitenedTouches
+        Trajectories.
+    fit : JointFit
+        Fit to them.
+    """
     cost = _size_cost(whitened, fit)
     start = np.log(_sizes(whitened))
     bounds = [(np.log(SMALLEST), np.log(LARGEST))] * len(start)
     found = minimize(cost, np.clip(start, *bounds[0]), jac=True, method="L-BFGS-B", bounds=bounds)
-    sizes = dict(zip(_groups(whitened), np.exp(found.x).tolist(), strict=True))
-    return replace(whitened, errors=whitened.errors.with_sizes(sizes))
+    return dict(zip(_groups(whitened), np.exp(found.x).tolist(), strict=True))
 
 
 def size_penalty(whitened: WhitenedTouches, fit: JointFit, other: WhitenedTouches) -> float:
@@ -120,10 +132,15 @@ def smallest_ratio(before: WhitenedTouches, after: WhitenedTouches) -> float:
     return float(min((_sizes(after) / _sizes(before)).min(), *of_touches))
 
 
-def typical_size(whitened: WhitenedTouches) -> float:
-    """Return the geometric mean of the sizes of errors that touches share; 1 is what two solvers usually differ by."""
-    sizes = _sizes(whitened)
-    return float(np.exp(np.log(sizes).mean())) if len(sizes) else 1.0
+def typical_size(sizes: Mapping[tuple[str, str], float]) -> float:
+    """Return the geometric mean of sizes of errors; 1 is what two solvers usually differ by, and where there are none.
+
+    Parameters
+    ----------
+    sizes : dict, (family, indenter) -> size
+        See `estimated_sizes`.
+    """
+    return float(np.exp(np.log(list(sizes.values())).mean())) if sizes else 1.0
 
 
 def _groups(whitened: WhitenedTouches) -> list[tuple[str, str]]:

@@ -125,10 +125,13 @@ class ScoredCandidate:
     def needed(self, thresholds: DecisionThresholds) -> float:
         """Return the evidence that a claim of the candidate needs beside the errors that the simulation then has.
 
-        Only the whole evidence has to reach it. What has to remain without the two trajectories that contribute most is
-        counted by what a claim needs beside usual errors (`DecisionThresholds.needed`).
+        Only the whole evidence has to reach it.
         """
         return thresholds.with_errors(self.error_size).needed(self.names)
+
+    def _remains(self, thresholds: DecisionThresholds, times: float = 1.0) -> bool:
+        """Whether so many times the evidence that a claim needs beside usual errors remains without the best two."""
+        return self.evidence_without_best_two >= times * thresholds.needed(self.names)
 
     def share_of_need(self, thresholds: DecisionThresholds) -> float:
         """Return the evidence beyond that which a claim needs, over the factor by which data and errors raise it."""
@@ -142,7 +145,7 @@ class ScoredCandidate:
         ``structure_evidence`` times the evidence that a claim needs remains without the two trajectories that
         contribute most: where an effect is much stronger in some trajectories than in others, gains differ as much.
         """
-        is_much = self.evidence_without_best_two >= thresholds.structure_evidence * thresholds.needed(self.names)
+        is_much = self._remains(thresholds, thresholds.structure_evidence)
         return self.gain > 0 and (
             self.gain >= thresholds.gain_sigmas * self.gain_error
             or self.indenter_gain >= thresholds.gain_sigmas * self.indenter_error
@@ -166,7 +169,7 @@ class ScoredCandidate:
         trajectories that contribute most to it.
         """
         return self.signature_before >= thresholds.signature_threshold or (
-            self.has_certain_gain(thresholds) and self.evidence_without_best_two >= thresholds.needed(self.names)
+            self.has_certain_gain(thresholds) and self._remains(thresholds)
         )
 
     def beyond(self, thresholds: DecisionThresholds) -> float:
@@ -184,8 +187,7 @@ class ScoredCandidate:
         claim needs remains without the two trajectories that contribute most. Other errors that are left beside such
         an effect do not speak against it.
         """
-        is_broad = self.evidence_without_best_two >= thresholds.needed(self.names)
-        return self.signature_before >= thresholds.decisive_signature and is_broad
+        return self.signature_before >= thresholds.decisive_signature and self._remains(thresholds)
 
     @property
     def is_worse_on_indenters(self) -> bool:
@@ -194,8 +196,7 @@ class ScoredCandidate:
 
     def is_structure(self, thresholds: DecisionThresholds) -> bool:
         """Whether the evidence is far beyond a claim's, even if no claim is possible: the residual has structure."""
-        is_much = self.evidence_without_best_two >= thresholds.structure_evidence * thresholds.needed(self.names)
-        return is_much and self.is_certain(thresholds)
+        return self._remains(thresholds, thresholds.structure_evidence) and self.is_certain(thresholds)
 
     def is_trace(self, thresholds: DecisionThresholds) -> bool:
         """Whether there are no objections with the lowered thresholds of a trace."""
@@ -215,7 +216,7 @@ class ScoredCandidate:
             reasons.append(
                 f"the evidence is {self.evidence:.1f}, and errors of the simulation alone can bring up to {needed:.0f}"
             )
-        if self.evidence_without_best_two < thresholds.broad_share * thresholds.needed(self.names):
+        if not self._remains(thresholds, thresholds.broad_share):
             reasons.append(
                 f"the evidence is {self.evidence_without_best_two:.1f} without the two trajectories that contribute"
                 " most"

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tactiledata.diagnose.naming.decide import Decision, decide
-from tactiledata.diagnose.naming.error_sizes import typical_size, with_estimated_sizes
+from tactiledata.diagnose.naming.error_sizes import estimated_sizes, typical_size
 from tactiledata.diagnose.naming.evidence import ScoredCandidate, range_checks, score_candidate
 from tactiledata.diagnose.naming.held_out import GroupedCosts, held_out
 from tactiledata.diagnose.naming.joint_fit import JointFit, joint_fit
@@ -141,7 +141,7 @@ class Refits:
 
         def score_of(fit: JointFit, out: GroupedCosts) -> ScoredCandidate:
             # what an effect explains is no error of the simulation
-            size = typical_size(with_estimated_sizes(self.whitened, fit))
+            size = typical_size(estimated_sizes(self.whitened, fit))
             scored = score_candidate(self.base, fit, base_out, out, float(expected.sum()), dispersion, size)
             return with_penalty(scored, self.size_penalty / dispersion)
 

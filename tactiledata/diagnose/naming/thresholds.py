@@ -43,7 +43,7 @@ CLAIM_EVIDENCE: Mapping[str, float] = MappingProxyType({
 USUAL_CLAIM = 12.0
 """Evidence that an effect needs which errors of a simulation do not resemble."""
 USUAL_CLAIMS: Mapping[str, float] = MappingProxyType({"rate_friction": 20.0})
-"""The same for effects that need more, since solvers regularise friction in ways of their own."""
+"""Evidence that those of the other effects need which need more: solvers regularise friction in ways of their own."""
 TYPICAL_OCCAM = 4.0
 """Occam penalty of an effect at the limit of what can be claimed, in units of evidence: a typical value."""
 
@@ -95,11 +95,11 @@ class DecisionThresholds:
     main_cause_share : float
         Share of the excess that an effect which errors of the simulation resemble must remove where more than the
         stated noise is left beside it.
+    part_share : float
+        The same share for an effect that errors of the simulation do not resemble.
     whole_cause_share : float
         Share of the excess from which an effect that errors of the simulation do not resemble is named even if its
         strength is beyond what is plausible.
-    part_share : float
-        The same share for an effect that errors of the simulation do not resemble.
     noise_dispersion : float
         Mean square that is left above which more than the stated noise is left.
     structure_dispersion : float
