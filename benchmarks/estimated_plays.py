@@ -22,6 +22,7 @@ from gel_failures import COARSE
 from numpy.typing import NDArray
 from timing import header
 
+from tactiledata.calibrate.plays.estimated_plays import Estimates
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.diagnose.touches.grid_answer import TouchPlays
 from tactiledata.diagnose.touches.play_grid import play_touches
@@ -41,7 +42,7 @@ QUICK = 18
 
 
 def played(
-    plan: WedgePlan, mesh: PadMesh, touches: Sequence[MeasuredTouch], estimate: bool
+    plan: WedgePlan, mesh: PadMesh, touches: Sequence[MeasuredTouch], estimates: Estimates
 ) -> tuple[list[TouchPlays], float]:
     """Plays of touches without any kept ones, and the seconds of processor that they took."""
     fidelity: Fidelity = "finite-strain"
@@ -54,7 +55,7 @@ def played(
             touches,
             plan.bounds,
             variants=variants_of(EFFECTS),
-            estimate=estimate,
+            estimates=estimates,
         )
         return plays, time.process_time() - began
 
@@ -94,9 +95,9 @@ def main() -> None:
     frames = sum(len(touch.seconds) for touch in touches)
     header(f"plays of {len(touches)} touches, {frames} frames, plan {options.plan}", ("numpy", "scipy", "numba"))
     half = len(touches) // 2
-    full, first_half = played(plan, mesh, touches[:half], estimate=False)
-    quick, of_quick = played(plan, mesh, touches, estimate=True)
-    rest, second_half = played(plan, mesh, touches[half:], estimate=False)
+    full, first_half = played(plan, mesh, touches[:half], estimates="none")
+    quick, of_quick = played(plan, mesh, touches, estimates="learned")
+    rest, second_half = played(plan, mesh, touches[half:], estimates="none")
     pairs = list(zip([*full, *rest], quick, strict=True))
     seconds = {"full": first_half + second_half, "estimated": of_quick}
     print("| way | processor, ms a frame | ratio |\n|---|---|---|")

@@ -55,7 +55,7 @@ def thinned(touch: MeasuredTouch, stride: int) -> MeasuredTouch:
 def run(what: str, plan: WedgePlan, touches: Sequence[MeasuredTouch], spacing: float) -> Grown:
     """Play the touches on a pad."""
     mesh = pad_of(spacing)
-    _, seconds = played(plan, mesh, touches, estimate=True)
+    _, seconds = played(plan, mesh, touches, estimates="learned")
     frames = sum(len(touch.seconds) for touch in touches)
     size = {"touches": len(touches), "frames": frames, "vertices": len(mesh.vertices)}[what]
     return Grown(what, len(touches), frames, len(mesh.vertices), size, seconds)
@@ -73,7 +73,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as bank:
         touches = to_play(WorldMaker.of(plan, Path(bank)).touches)
     header("growth of the plays of a first diagnosis", ("numpy", "scipy", "numba"))
-    played(plan, pad_of(SPACINGS[0]), touches[:1], estimate=True)  # what is compiled is compiled
+    played(plan, pad_of(SPACINGS[0]), touches[:1], estimates="learned")  # what is compiled is compiled
     runs = [run("touches", plan, touches[:count], spacing) for count in counts]
     few = touches[:most]
     runs += [run("frames", plan, [thinned(touch, stride) for touch in few], spacing) for stride in strides]

@@ -140,6 +140,9 @@ def _preview(
 ) -> None:
     """Tell what the touches show from which plays of the others are learned, if there are others.
 
+    Their changes by nu and by the offset are rough estimates, and other elastic laws are no candidates: the preview
+    comes before these are played.
+
     Parameters
     ----------
     opened : OpenedStore
@@ -158,6 +161,7 @@ def _preview(
     if len(examples) == len(drawn):
         return
     try:
-        tell(preview_words(name(store_touches(opened, calibration, play_progress, only=examples)), len(drawn)))
+        played = store_touches(opened, calibration, play_progress, only=examples, estimates="rough")
+        tell(preview_words(name(played), len(drawn)))
     except TactileDataError as error:
         tell(f"There is no preview: {error.found}.")

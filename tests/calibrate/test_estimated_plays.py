@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tactiledata.calibrate.plan import Node, ResponsePlan
-from tactiledata.calibrate.plays.estimated_plays import estimated_change, estimated_node, is_played
+from tactiledata.calibrate.plays.estimated_plays import estimated_change, estimated_node, is_learned, is_played
 from tactiledata.calibrate.plays.kept_plays import Play
 from tactiledata.calibrate.plays.player import PlanPlays
 from tactiledata.gel.contact.history import FrameStatus
@@ -56,6 +56,18 @@ def test_estimates_are_exact_where_both_engines_agree_on_what_two_things_add():
         np.testing.assert_allclose(found[node][0].wrench[:, 2], expected.wrench[:, 2], rtol=1e-12)
         np.testing.assert_allclose(found[node][0].area, expected.area, rtol=1e-12)
         assert np.array_equal(found[node][0].status, expected.status)
+
+
+def test_a_change_that_was_not_played_is_the_linear_engines():
+    """Rough estimates need the middle and other frictions at finite strain; they are exact up to a common factor."""
+    nodes = list(PLAN.nodes())
+    rubs = [node for node in nodes if is_played(PLAN, node) and not is_learned(PLAN, node)]
+    assert set(rubs) == {MIDDLE, Node(0.47, 0.4, 0.0), Node(0.47, 0.85, 0.0)}
+    linear = {node: [play(node, 1.0, 2.0)] for node in nodes}
+    found = PlanPlays(PLAN, {node: [play(node, 1.3, 2.0, own=0.7)] for node in rubs}, linear).by_node()
+    for node in nodes:
+        expected = play(node, 1.3, 2.0, own=0.7)
+        np.testing.assert_allclose(found[node][0].wrench[:, 2], expected.wrench[:, 2], rtol=1e-12)
 
 
 def test_without_the_linear_engine_what_two_things_add_is_lost():

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 
@@ -24,6 +25,12 @@ from tactiledata.calibrate.plan import Node, ResponsePlan
 from tactiledata.calibrate.plays.kept_plays import Play
 from tactiledata.gel.contact.history import FrameStatus
 
+Estimates = Literal["learned", "rough", "none"]
+"""How plays at finite strain are estimated.
+
+"learned": changes by nu and by the offset are learned from a few touches, others are taken from the linear engine.
+"rough": all but changes by friction are taken from the linear engine. "none": all are played.
+"""
 SMALLEST_RATIO, LARGEST_RATIO = 1.0 / 3.0, 3.0
 """Bounds of the ratio of the forces of the two engines."""
 
@@ -45,10 +52,10 @@ def is_learned(plan: ResponsePlan, node: Node) -> bool:
 def estimated_node(
     plan: ResponsePlan, node: Node, played: Mapping[Node, Sequence[Play]], linear: Mapping[Node, Sequence[Play]]
 ) -> list[Play]:
-    """Return the plays of all touches at a node of which two of nu, mu and offset are not in the middle.
+    """Return the plays of all touches at a node of which one or two of nu, mu and offset are not in the middle.
 
-    Frames that one of the three plays at finite strain lacks are missing; the linear plays are left out of frames that
-    one of them lacks.
+    Frames that one of the plays at finite strain lacks are missing; where two numbers differ, the linear plays are left
+    out of frames that one of them lacks.
 
     Parameters
     ----------
@@ -57,15 +64,20 @@ def estimated_node(
     node : Node
         The node.
     played : dict, Node -> plays of t touches
-        At finite strain, at every node for which `is_played` holds.
+        At finite strain: at the middle, and, where two numbers of the node differ, at those where one of them does.
+        What was not played is estimated as well.
     linear : dict, Node -> plays of t touches
         By the linear engine, at these nodes and at the node.
     """
     middle = middle_node(plan)
-    first, second = (replace(middle, **{name: getattr(node, name)}) for name in _departures(plan, node))
+    alone = [replace(middle, **{name: getattr(node, name)}) for name in _departures(plan, node)]
+    if len(alone) < 2:
+        return [estimated_change(*three) for three in zip(played[middle], linear[middle], linear[node], strict=True)]
+    first, second = alone
+    ones = {one: played[one] if one in played else estimated_node(plan, one, played, linear) for one in alone}
     estimates = []
     for touch in range(len(played[middle])):
-        full = [played[one][touch] for one in (first, second, middle)]
+        full = [*(ones[one][touch] for one in (first, second)), played[middle][touch]]
         slow = [linear[one][touch] for one in (node, first, second, middle)]
         change = rows_of(slow[0]) - rows_of(slow[1]) - rows_of(slow[2]) + rows_of(slow[3])
         more = ratio_of(full[2], slow[3]) * np.where(np.isfinite(change), change, 0.0)

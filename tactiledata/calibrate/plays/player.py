@@ -10,7 +10,13 @@ from typing import TYPE_CHECKING
 
 from tactiledata.arrays import Array
 from tactiledata.calibrate.plan import Node, ResponsePlan
-from tactiledata.calibrate.plays.estimated_plays import estimated_node, is_learned, is_played, middle_node
+from tactiledata.calibrate.plays.estimated_plays import (
+    Estimates,
+    estimated_node,
+    is_learned,
+    is_played,
+    middle_node,
+)
 from tactiledata.calibrate.plays.kept_plays import Play, keep_play, load_play, play_path
 from tactiledata.calibrate.plays.learned_plays import example_touches, learned_nodes
 from tactiledata.calibrate.plays.play_progress import PlayProgress
@@ -141,7 +147,7 @@ def play_plan(
     plan: ResponsePlan,
     runner: Scheduler | None = None,
     report_progress: Progress = no_progress,
-    estimate: bool = True,
+    estimates: Estimates = "learned",
 ) -> PlanPlays:
     """Simulate all touches at the nodes of a plan.
 
@@ -163,8 +169,8 @@ def play_plan(
         Where the touches are simulated; in this process where it is ``None``.
     report_progress : callable
         Called with the number of finished plays of touches, their total and a label.
-    estimate : bool
-        Whether plays at finite strain may be estimated; otherwise every node is played.
+    estimates : "learned", "rough" or "none"
+        How plays at finite strain are estimated.
 
     Raises
     ------
@@ -172,12 +178,14 @@ def play_plan(
         The error of a batch that failed.
     """
     nodes = list(plan.nodes())
-    if mechanics != "finite-strain" or not estimate:
+    if mechanics != "finite-strain" or estimates == "none":
         return PlanPlays(plan, play_nodes(mesh, mechanics, touches, nodes, runner, report_progress), {})
     examples = example_touches([touch.touch for touch in touches])
     chosen = [touches[place] for place in examples]
-    learned = [node for node in nodes if is_learned(plan, node) and len(chosen) < len(touches)]
-    full = [node for node in nodes if is_played(plan, node) and node not in learned]
+    single = [node for node in nodes if is_learned(plan, node)]
+    learned = single if estimates == "learned" and len(chosen) < len(touches) else []
+    not_played = single if estimates == "rough" else learned
+    full = [node for node in nodes if is_played(plan, node) and node not in not_played]
     before, total = 0, (len(full) + len(nodes)) * len(touches) + len(learned) * len(chosen)
 
     def play(of: Mechanics, which: Sequence[Node], some: Sequence[MeasuredTouch]) -> dict[Node, list[Play]]:

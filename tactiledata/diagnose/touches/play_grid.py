@@ -14,7 +14,7 @@ import numpy as np
 from tactiledata.arrays import Array, Mask
 from tactiledata.calibrate.bounds import Bounds
 from tactiledata.calibrate.plan import Node, ResponsePlan
-from tactiledata.calibrate.plays.estimated_plays import estimated_change, middle_node
+from tactiledata.calibrate.plays.estimated_plays import Estimates, estimated_change, middle_node
 from tactiledata.calibrate.plays.kept_plays import Play
 from tactiledata.calibrate.plays.learned_plays import example_touches, learned_laws
 from tactiledata.calibrate.plays.player import play_plan
@@ -42,7 +42,7 @@ def play_touches(
     runner: Scheduler | None = None,
     progress: Progress = no_progress,
     variants: Sequence[GelVariant] = (),
-    estimate: bool = True,
+    estimates: Estimates = "learned",
     full: Collection[GelVariant] = (),
 ) -> list[TouchPlays]:
     """Return the plays of each touch.
@@ -72,8 +72,8 @@ def play_touches(
     variants : sequence of GelVariant
         Variants that are played at the middle nu and mu. A variant that fails in more than ``MOST_LOST`` of the frames
         is left out.
-    estimate : bool
-        Whether plays at finite strain may be estimated; otherwise all are played.
+    estimates : "learned", "rough" or "none"
+        How plays at finite strain are estimated. Rough estimates leave out variants with another elastic law.
     full : collection of GelVariant
         Variants that are played in any case.
     """
@@ -81,8 +81,10 @@ def play_touches(
     plan = ResponsePlan.of(bounds)
     nu_middle, mu_middle = plan.middle
     pair = plan.ratios[nu_middle], plan.frictions[mu_middle]
-    is_estimated = estimate and fidelity == "finite-strain"
+    is_estimated = estimates != "none" and fidelity == "finite-strain"
     quick: Fidelity = "linear" if is_estimated else fidelity
+    if is_estimated and estimates == "rough":
+        variants = [variant for variant in variants if not has_own_law(variant)]
     every = range(len(touches))
     plain = [touch.touch for touch in touches]
     moved = [[_moved(touch, axis, side * SHIFT) for touch in plain] for axis in range(2) for side in (-1.0, 1.0)]
@@ -108,7 +110,7 @@ def play_touches(
         progress(of_nodes + done, of_nodes + total, what)
 
     # plays, each kept on disk as soon as it is finished
-    grid = play_plan(mesh, fidelity, touches, plan, runner, nodes_played, estimate)
+    grid = play_plan(mesh, fidelity, touches, plan, runner, nodes_played, estimates)
     played = play_variants(batches, runner, batches_played)
     of_moved, varied = played[: len(moved)], dict(zip(variants, played[len(moved) :], strict=True))
     # laws of the other touches, where they can be told from the examples

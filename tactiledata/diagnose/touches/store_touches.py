@@ -14,6 +14,7 @@ from tactiledata.calibrate.bounds import find_bounds
 from tactiledata.calibrate.gent import youngs_modulus_of_shore_a
 from tactiledata.calibrate.measured import Measured, read_measured
 from tactiledata.calibrate.options import CalibrationOptions
+from tactiledata.calibrate.plays.estimated_plays import Estimates
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.compute import make_scheduler
 from tactiledata.contract.progress import Progress, no_progress
@@ -129,6 +130,7 @@ def store_touches(
     progress: Progress = no_progress,
     full: Collection[GelVariant] = (),
     only: Collection[str] | None = None,
+    estimates: Estimates = "learned",
 ) -> StoreTouches:
     """Return the chosen trajectories of a store, played by the gel.
 
@@ -144,6 +146,8 @@ def store_touches(
         Variants of the gel that are played at finite strain even where they could be estimated.
     only : collection of str, optional
         Unique identifiers of the drawn trajectories that are taken; all by default.
+    estimates : "learned", "rough" or "none"
+        How plays at finite strain are estimated, see `play_touches`.
 
     Raises
     ------
@@ -162,7 +166,9 @@ def store_touches(
     # plays; variants of the gel exist at finite strain only
     variants = variants_of(EFFECTS) if options.fidelity == "finite-strain" else ()
     runner = make_scheduler(options.workers, options.scheduler)
-    plays = play_touches(measured.mesh, options.fidelity, measured.touches, box, runner, progress, variants, full=full)
+    plays = play_touches(
+        measured.mesh, options.fidelity, measured.touches, box, runner, progress, variants, estimates, full
+    )
     start = GelMaterial(*box.inside(np.array([youngs_modulus_of_shore_a(options.shore_a), 0.475, 0.7])).tolist())
     # trajectories with covariates; those without usable frames are left out
     make = _CaseMaker(measured, StoreFacts(opened), StoreMotion(opened), start, geometry)
