@@ -2,6 +2,7 @@
 
 import pytest
 
+from tactiledata.prove.score.score import TARGETS, gap_closed
 from tactiledata.prove.score.scored_case import ScoredCase
 
 NOTHING, UNKNOWN = {"none": 0.9, "other": 0.1}, {"none": 0.1, "other": 0.9}
@@ -9,7 +10,14 @@ NOTHING, UNKNOWN = {"none": 0.9, "other": 0.1}, {"none": 0.1, "other": 0.9}
 
 def scored(kind, truth=(), verdict="nothing found", said=(), probabilities=None, signal=12.0, zeros=(), ties=()):
     """A case with what it hides, and an answer."""
-    label = {"kind": kind, "truth": list(truth), "hidden": [], "sight": {"signal": signal} if truth else {}}
+    configuration = {"generator": "layer", "plan": "wedge-2", "mismatch": 1.0, "noise": 1.0}
+    label = {
+        "kind": kind,
+        "configuration": configuration,
+        "truth": list(truth),
+        "hidden": [],
+        "sight": {"signal": signal} if truth else {},
+    }
     answer = {
         "verdict": verdict,
         "names": list(said),
@@ -64,3 +72,36 @@ def test_what_an_answer_is_worth(case, outcome, is_right, is_wrong):
 def test_whether_the_likeliest_answer_is_right(case, is_right):
     """Errors of a solver are in no catalogue: where nothing is hidden, "other" is as right as "none"."""
     assert case.probability == (0.9, is_right)
+
+
+def named_with_gains(gains, said=("lag",), candidates=("lag",), verdict="explained"):
+    """A hidden lag, and an answer whose candidate has these gains on held-out trajectories."""
+    case = scored("visible", ["lag"], verdict, said)
+    case.answer["candidates"] = [
+        {"effects": ["wear"], "gains": [9.0, 9.0], "excess_share": 1.0},
+        {"effects": list(candidates), "gains": gains, "excess_share": 0.6},
+    ]
+    return case
+
+
+def test_a_gap_is_closed_where_the_whole_interval_of_the_gain_is_above_zero():
+    """Four trajectories that gain 1, 2, 3 and 4: 10 with 5.06 = 1.96 * 2 * 1.291; a loss of 8 in one undoes it."""
+    assert named_with_gains([1.0, 2.0, 3.0, 4.0]).closes_gap
+    assert not named_with_gains([1.0, 2.0, 3.0, -8.0]).closes_gap
+    assert not named_with_gains([0.0, 0.0, 0.0, 9.0]).closes_gap
+
+
+def test_a_gap_is_asked_of_rightly_named_fits_alone():
+    """Neither of names by readings alone, nor of wrong or missing names."""
+    cases = [
+        named_with_gains([1.0, 2.0, 3.0, 4.0]),
+        named_with_gains([0.0, 0.0, 0.0, 9.0]),
+        named_with_gains([1.0, 2.0, 3.0, 4.0], candidates=["dome"]),
+        named_with_gains([9.0, 9.0, 9.0, 9.0], said=["wear"]),
+        named_with_gains([9.0, 9.0, 9.0, 9.0], verdict="not explained"),
+    ]
+    target = next(target for target in TARGETS if target.what.startswith("gap closed"))
+    found = target.share(cases)
+    assert (found.right, found.count) == (1, 2)
+    assert gap_closed(cases) == {"count": 2, "share": 0.6}
+    assert gap_closed(cases[2:]) is None

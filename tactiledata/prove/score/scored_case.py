@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+
 from tactiledata.prove.cases.kinds import AMBIGUOUS, DRAWN, LEAST_SIGNAL, NULLS, OUTSIDE, PAIRS
 from tactiledata.prove.score.outcome import (
     CLAIMS,
@@ -20,6 +22,7 @@ from tactiledata.prove.score.outcome import (
     outcome,
     outcome_of_null,
 )
+from tactiledata.prove.score.wilson import Z
 
 NONE, OTHER = "none", "other"
 """Labels, among an answer's probabilities, of nothing and of an effect outside the catalogue."""
@@ -137,6 +140,31 @@ class ScoredCase:
         weak = self.kind == DRAWN and self.signal < LEAST_SIGNAL
         right = {NONE} if not self.truth or weak else {" + ".join(sorted(self.truth))}
         return float(shares[label]), (label if label == NONE else " + ".join(sorted(label.split(" + ")))) in right
+
+    @property
+    def claimed(self) -> Mapping[str, Any] | None:
+        """The candidate that the answer claims, with its gains; ``None`` where fits had no part in it."""
+        if self.answer["verdict"] not in CLAIMS:
+            return None
+        names = set(self.answer["names"])
+        return next((one for one in self.answer.get("candidates", ()) if set(one["effects"]) == names), None)
+
+    @property
+    def is_named_by_fits(self) -> bool:
+        """Whether what is hidden is named, or in the set, by a fit."""
+        return self.outcome in (NAMED, IN_SET) and self.claimed is not None
+
+    @property
+    def closes_gap(self) -> bool:
+        """Whether trajectories that were held out are predicted better with what is claimed than without.
+
+        The gain is the rise of their log-likelihood, summed over trajectories; its whole 95 % interval has to lie
+        above 0.
+        """
+        if self.claimed is None:
+            return False
+        gains = np.array(self.claimed["gains"], dtype=float)
+        return bool(gains.sum() > Z * np.sqrt(len(gains)) * gains.std(ddof=1))
 
     @property
     def material_errors(self) -> tuple[list[float], list[float]] | None:
