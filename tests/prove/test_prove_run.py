@@ -43,10 +43,11 @@ def killed_after(words, environment, is_reached, limit=900):
 
 
 @pytest.mark.slow
-def test_a_killed_proof_goes_on_and_fits(tmp_path):
+def test_a_killed_proof_goes_on_and_fits(tmp_path, monkeypatch):
     """Killed while it draws, and while it diagnoses, a proof keeps what it has, lists attempts, and verifies."""
     folder = ProofFolder(tmp_path / "proof")
-    environment = {**os.environ, "TACTILEDATA_CACHE": str(tmp_path / "cache"), "OMP_NUM_THREADS": "1"}
+    monkeypatch.setenv("TACTILEDATA_CACHE", str(tmp_path / "cache"))
+    environment = {**os.environ, "OMP_NUM_THREADS": "1"}
     words = [*COMMAND, "--out", str(folder.path), *CASES, "--effects", "lag,frame_rotation"]
     killed_after(words, environment, folder.draw(0).exists)
     first = folder.draw(0).read_bytes()
@@ -65,10 +66,8 @@ def test_a_killed_proof_goes_on_and_fits(tmp_path):
     case = sorted(json.loads(folder.labels.read_text()))[0]
     before = len(list((folder.path / "attempts").glob("*.json")))
     for more, count in (([], 0), (["--again", case], 1)):
-        done = subprocess.run(
-            [*COMMAND, "--out", str(folder.path), *more], env=environment, capture_output=True, check=False
-        )
-        assert done.returncode == 0, done.stderr
+        done = CliRunner().invoke(app, ["prove", "--out", str(folder.path), *more])
+        assert done.exit_code == 0, done.output
         assert len(list((folder.path / "attempts").glob("*.json"))) == before + count
     assert any(case in note and "answered 2 times" in note for note in verify(folder).notes)
 
