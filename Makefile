@@ -6,6 +6,10 @@ INSTALLED = $(VENV)/.installed
 OUT    ?= demo-out
 
 OWNERS  = $(VENV)/owners
+PIP_FLAGS ?=
+
+# hundreds of processes import the same modules: compiled ones are kept, whatever the shell says
+export PYTHONDONTWRITEBYTECODE =
 
 .PHONY: help demo test quick check bench site mutants fuzz owners wheel-test clean
 
@@ -15,7 +19,7 @@ help:            ## this list
 $(INSTALLED): pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "tactiledata needs Python 3.11 or later; found " + sys.version.split()[0] + ". Name another: make PYTHON=python3.11 ...")'
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/pip install --quiet -c constraints.txt -e '.[sim,models,report,dask,site,view,s3,dev]'
+	$(BIN)/pip install --quiet $(PIP_FLAGS) -c constraints.txt -e '.[sim,models,report,dask,site,view,s3,dev]'
 	@touch $@
 
 demo: $(INSTALLED)   ## the main job end to end on the embedded recorded world; ends with a report to open
@@ -23,7 +27,7 @@ demo: $(INSTALLED)   ## the main job end to end on the embedded recorded world; 
 
 $(OWNERS)/.installed: $(INSTALLED) tests/export/owners.txt
 	rm -rf $(OWNERS)
-	$(BIN)/pip install --quiet --no-deps --target $(OWNERS) -r tests/export/owners.txt
+	$(BIN)/pip install --quiet $(PIP_FLAGS) --no-deps --target $(OWNERS) -r tests/export/owners.txt
 	@touch $@
 
 owners: $(OWNERS)/.installed  ## the loaders of LeRobot and robomimic, beside the environment, for the tests of exports

@@ -291,7 +291,7 @@ def main(arguments: list[str] | None = None) -> bool:
         }
         arrays[OTHER] = (LooseArrays, (folder, chosen.workers))
         tensors: dict[str, Any] = {}
-        for workers in (0, chosen.workers):
+        for workers in (chosen.workers,) if chosen.quick else (0, chosen.workers):
             for word, kind in kinds.items():
                 tensors[f"tactiledata, {word}, {workers} workers"] = (OurTensors, (folder, workers, kind))
             tensors[f"{OTHER}, {workers} workers"] = (LooseTensors, (folder, workers))

@@ -4,6 +4,7 @@ import gc
 import os
 import sys
 from functools import cache
+from itertools import chain, islice
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -19,6 +20,29 @@ settings.register_profile("house", deadline=None, suppress_health_check=[HealthC
 settings.register_profile("quick", settings.get_profile("house"), max_examples=33)
 # `make test` tries three times as many examples of each law as `make quick`
 settings.load_profile("house" if os.environ.get("TACTILE_REQUIRE_ALL") else "quick")
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(items):
+    """Each of several workers begins with files of slow tests, so that none waits at the end for another's long test.
+
+    A worker gets a stretch of the list, and takes from the end of another's stretch once its own is done. Files stay
+    whole, for their fixtures.
+    """
+    workers = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
+    if workers > 1:
+        items[:] = slow_files_first(items, workers)
+
+
+def slow_files_first(items, workers):
+    """The tests in a stretch for each worker, all of equal length; files with slow tests are dealt out in turn."""
+    slow = list(dict.fromkeys(item.path for item in items if item.get_closest_marker("slow")))
+    turn = {path: number % workers for number, path in enumerate(slow)}
+    stretches = [[item for item in items if turn.get(item.path) == worker] for worker in range(workers)]
+    quick = iter([item for item in items if item.path not in turn])
+    for stretch in stretches:
+        stretch += islice(quick, max(len(items) // workers - len(stretch), 0))
+    return [*chain(*stretches), *quick]
 
 
 def pytest_collection_finish():

@@ -14,6 +14,8 @@ from sealed_proofs import said, sealed_proof
 from typer.testing import CliRunner
 
 from tactiledata.cli.main import app
+from tactiledata.diagnose.touches.variant_plays import variants_of
+from tactiledata.effects import EFFECTS
 from tactiledata.errors import UsageError
 from tactiledata.prove.answers import tasks
 from tactiledata.prove.cases.configuration import Configuration
@@ -24,11 +26,13 @@ from tactiledata.prove.cases.strengths import drawn_parameters
 from tactiledata.prove.request import QUICK, ProofRequest
 from tactiledata.prove.seal.folder import ProofFolder
 from tactiledata.prove.seal.verify import verify
+from tactiledata.prove.worlds import played_plan
 from tactiledata.prove.worlds.plan_names import named_plan
 from tactiledata.rig.hidden.effects import HIDDEN_EFFECTS
 
 COMMAND = [sys.executable, "-c", "from tactiledata.cli.main import run; run()", "prove"]
 CASES = ["--generators", "analytic", "--plans", "coarse-0", "--mismatch", "0", "--nulls", "1", "--drawn", "2"]
+CASES += ["--no-variants"]  # of a coarse plan, no candidate needs another gel
 
 
 def killed_after(words, environment, is_reached, limit=900):
@@ -43,10 +47,11 @@ def killed_after(words, environment, is_reached, limit=900):
 
 
 @pytest.mark.slow
-def test_a_killed_proof_goes_on_and_fits(tmp_path):
+def test_a_killed_proof_goes_on_and_fits(tmp_path, monkeypatch):
     """Killed while it draws, and while it diagnoses, a proof keeps what it has, lists attempts, and verifies."""
     folder = ProofFolder(tmp_path / "proof")
-    environment = {**os.environ, "TACTILEDATA_CACHE": str(tmp_path / "cache"), "OMP_NUM_THREADS": "1"}
+    monkeypatch.setenv("TACTILEDATA_CACHE", str(tmp_path / "cache"))
+    environment = {**os.environ, "OMP_NUM_THREADS": "1"}
     words = [*COMMAND, "--out", str(folder.path), *CASES, "--effects", "lag,frame_rotation"]
     killed_after(words, environment, folder.draw(0).exists)
     first = folder.draw(0).read_bytes()
@@ -65,12 +70,27 @@ def test_a_killed_proof_goes_on_and_fits(tmp_path):
     case = sorted(json.loads(folder.labels.read_text()))[0]
     before = len(list((folder.path / "attempts").glob("*.json")))
     for more, count in (([], 0), (["--again", case], 1)):
-        done = subprocess.run(
-            [*COMMAND, "--out", str(folder.path), *more], env=environment, capture_output=True, check=False
-        )
-        assert done.returncode == 0, done.stderr
+        done = CliRunner().invoke(app, ["prove", "--out", str(folder.path), *more])
+        assert done.exit_code == 0, done.output
         assert len(list((folder.path / "attempts").glob("*.json"))) == before + count
     assert any(case in note and "answered 2 times" in note for note in verify(folder).notes)
+
+
+@pytest.mark.slow
+def test_other_gels_are_played_where_effects_take_part_that_need_them(tmp_path, monkeypatch):
+    """With variants, those of all effects are asked for; without, none."""
+    asked = []
+
+    def play(*given, full):
+        asked.append(set(given[-1]))
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(played_plan, "play_touches", play)
+    for with_variants in (True, False):
+        with pytest.raises(KeyboardInterrupt):
+            played_plan.PlayedPlan.of(named_plan("coarse-0"), tmp_path, with_variants)
+    assert asked == [set(variants_of(EFFECTS)), set()]
+    assert len(asked[0]) > 5
 
 
 def test_a_diagnosis_sees_readings_and_plan_alone(tmp_path, monkeypatch):

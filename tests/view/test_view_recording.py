@@ -352,8 +352,12 @@ def test_killed_while_writing_the_file_is_whole(planted, tmp_path):
     left = 0
     for attempt in range(5):
         writer = multiprocessing.get_context("spawn").Process(target=view_for_ever, args=(planted, path))
+        # it imports the viewer for some seconds; then it writes one file after the other
+        begun = set(tmp_path.glob(".view.rrd.*.part"))
         writer.start()
-        time.sleep(3 + 0.7 * attempt)
+        while writer.is_alive() and not set(tmp_path.glob(".view.rrd.*.part")) - begun:
+            time.sleep(0.01)
+        time.sleep(0.25 * attempt)
         os.kill(writer.pid, signal.SIGKILL)
         writer.join()
         left += len(list(tmp_path.glob(".view.rrd.*.part")))

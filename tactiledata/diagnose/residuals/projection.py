@@ -77,6 +77,19 @@ class ProjectedResiduals:
         found = _pseudo_inverse(gram + np.diag(precision)) @ np.einsum("nkp,nk->p", self.directions, values)
         return values - self.weighed @ found
 
+    @cached_property
+    def score_by_unit(self) -> Array:
+        """Score (u, p) of each unit of exchange for each shared parameter."""
+        return self.residuals.by_unit(np.einsum("nkp,nk->np", self.directions, self.score))
+
+    @cached_property
+    def information_by_unit(self) -> Array:
+        """Information matrix (u, p, p) of each unit of exchange on the shared parameters."""
+        count = self.directions.shape[2]
+        pairs = zip(self.directions.transpose(1, 0, 2), self.weighed.transpose(1, 0, 2), strict=True)
+        of_components = [self.residuals.products(direction, weighed) for direction, weighed in pairs]
+        return self.residuals.units_of(sum(of_components, np.zeros((len(self.residuals.starts), count, count))))
+
     def information(self, place: int) -> Array:
         """Return Fisher information (n,) of each frame on a shared parameter, by its place in `Residuals.shared`."""
         weights: Array = np.einsum("nk,nk->n", self.directions[:, :, place], self.weighed[:, :, place])

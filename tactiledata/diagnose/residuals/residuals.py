@@ -200,6 +200,13 @@ class Residuals:
         """Return sums (u, …) of per-frame values (n, …) over each unit of exchange."""
         return self.units_of(np.add.reduceat(per_frame, self.starts, axis=0))
 
+    def products(self, left: Array, right: Array) -> Array:
+        """Return the products (t, a, c) of columns (n, a) with columns (n, c), summed over each trajectory's frames."""
+        found = np.zeros((len(self.starts), left.shape[1], right.shape[1]))
+        for place, (start, count) in enumerate(zip(self.starts, self.counts, strict=True)):
+            found[place] = left[start : start + count].T @ right[start : start + count]
+        return found
+
     def units_of(self, per_trajectory: Array) -> Array:
         """Return sums (u, …) of per-trajectory values (t, …) over each unit of exchange."""
         if self.blocks is None:

@@ -53,14 +53,18 @@ class Refit:
             As in `Contributions`.
         """
         moved = signs @ self.scores @ self.inverse
-        total = np.zeros_like(size)
-        squares = np.einsum("upc,uqc->pqc", self.together, self.together)
+        total = 2.0 * size * (moved @ np.einsum("uc,upc->pc", information_by_unit, self.together))
+        both = np.concatenate([moved, signs], axis=1)
         for place, column in enumerate(moved.T):
-            here = self.together[:, place]
-            carried = np.einsum("uc,uc->c", information_by_unit, here)
-            total += 2.0 * column[:, None] * (size * carried - signs @ (by_unit * here))
-            total += column[:, None] * (moved @ squares[place])
+            crossed = np.concatenate([self._squares[:, place].T, -2.0 * by_unit * self.together[:, place]])
+            total += column[:, None] * (both @ crossed)
         return total
+
+    @cached_property
+    def _squares(self) -> Array:
+        """Products (c, p, p) of each alternative's columns of ``together``."""
+        columns = self.together.transpose(2, 1, 0)
+        return columns @ columns.transpose(0, 2, 1)
 
 
 @dataclass(frozen=True)
@@ -170,25 +174,22 @@ def along(projection: ProjectedResiduals, direction: Array, instruments: Array) 
     """
     residuals = projection.residuals
     # products with the shared parameters, and the combination of them that imitates each alternative
+    row = direction[:, None, :]
     score = np.einsum("nk,nk->n", direction, projection.score)
-    with_shared = np.einsum("nk,nkp->np", direction, projection.weighed)
-    together = np.zeros((residuals.unit_count, with_shared.shape[1], instruments.shape[1]))
-    for place in range(with_shared.shape[1]):
-        together[:, place] = residuals.by_unit(with_shared[:, place, None] * instruments)
+    factors = [score[:, None], (row @ projection.weighed)[:, 0], (row @ projection.basis)[:, 0]]
+    products = residuals.products(np.concatenate(factors, axis=1), instruments)
+    scored, together, inside = np.split(products, np.cumsum([1, projection.weighed.shape[2]]), axis=1)
+    together = residuals.units_of(together)
     imitation = projection.inverse @ together.sum(axis=0)
-    of_shared = residuals.by_unit(np.einsum("nkp,nk->np", projection.directions, projection.score))
-    by_unit = residuals.by_unit(instruments * score[:, None]) - of_shared @ imitation
+    of_shared, shared = projection.score_by_unit, projection.information_by_unit
+    by_unit = residuals.units_of(scored[:, 0]) - of_shared @ imitation
     # information of each unit, less what own parameters and then the shared ones absorb
     information = residuals.by_unit(instruments**2 * np.einsum("nk,nk->n", direction, direction)[:, None])
-    if projection.basis.shape[2]:
-        own = np.einsum("nk,nko->no", direction, projection.basis)
-        inside = np.add.reduceat(own[:, :, None] * instruments[:, None, :], residuals.starts, axis=0)
-        information = information - residuals.units_of((inside**2).sum(axis=1))
-    shared = residuals.by_unit(np.einsum("nkp,nkq->npq", projection.directions, projection.weighed))
+    information = information - residuals.units_of((inside**2).sum(axis=1))
     alone = information.sum(axis=0)
     information = information - 2.0 * np.einsum("upc,pc->uc", together, imitation)
     information = information + np.einsum("pc,upq,qc->uc", imitation, shared, imitation, optimize=True)
-    left = together - np.einsum("upq,qc->upc", shared, imitation)
+    left = together - shared @ imitation
     # an alternative that the parameters imitate leaves rounding errors only: its score is set to 0
     is_more = information.sum(axis=0) > IMITATED * alone
     refit = Refit(of_shared, projection.inverse, left * is_more)

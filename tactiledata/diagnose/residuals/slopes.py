@@ -103,8 +103,7 @@ def refitted(projection: ProjectedResiduals) -> list[Change]:
     The list is in the order of `Residuals.shared`.
     """
     residuals, inverse = projection.residuals, projection.inverse
-    moved = residuals.by_unit(np.einsum("nkp,nk->np", projection.directions, projection.score)) @ inverse
-    grams = residuals.by_unit(np.einsum("nkp,nkq->npq", projection.directions, projection.weighed))
+    moved, grams = projection.score_by_unit @ inverse, projection.information_by_unit
     shares = np.einsum("pq,uqr,rp->up", inverse, grams, inverse, optimize=True) / np.maximum(np.diag(inverse), 1e-300)
     return [
         Change(residuals.parameters[place], float(projection.refit[k]), _half_width(moved[:, k], shares[:, k]))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -41,10 +43,14 @@ class BallOnLayer(OnLayer):
         pressed = np.maximum(depth, 0.0)
         a = np.sqrt(pressed / curvature)
         modulus = material.youngs_modulus / (1.0 - material.poisson_ratio**2)
-        normal = 4.0 / 3.0 * modulus * a * pressed * np.polyval(DIMITRIADIS, a / thickness)
-        # strain is about a fifth of a / R (Johnson, Contact Mechanics, ch. 6), I1 - 3 three times its square
-        strain = 3.0 * (0.2 * a * curvature + pressed / thickness / 3.0) ** 2
-        normal = normal * (1.0 + 2.0 * gel.c20 * strain + 3.0 * gel.c30 * strain**2)
+        bonded = np.full(len(a), DIMITRIADIS[0])
+        for coefficient in DIMITRIADIS[1:]:
+            bonded = bonded * (a / thickness) + coefficient
+        normal = 4.0 / 3.0 * modulus * a * pressed * bonded
+        if gel.c20 or gel.c30:
+            # strain is about a fifth of a / R (Johnson, Contact Mechanics, ch. 6), I1 - 3 three times its square
+            strain = 3.0 * (0.2 * a * curvature + pressed / thickness / 3.0) ** 2
+            normal = normal * (1.0 + 2.0 * gel.c20 * strain + 3.0 * gel.c30 * strain**2)
         if gel.skin:
             # the factor is that of linear pads with stiffer uppermost cells, within a third
             normal = normal * (1.0 + 0.3 * gel.skin / np.maximum(a, 0.5 * gel.skin))
@@ -70,14 +76,20 @@ def stick_and_slip(centre: Array, spring: Array, limit: Array) -> tuple[Array, N
     limit : (n,), N
         Largest shear force in each frame.
     """
-    force = np.zeros_like(centre)
-    sliding = np.zeros(len(centre), dtype=bool)
-    steps = np.diff(centre, axis=0)
-    for frame in range(1, len(centre)):
-        if not spring[frame] > 0.0:
-            continue
-        tried = force[frame - 1] - spring[frame] * steps[frame - 1]
-        size = float(np.hypot(tried[0], tried[1]))
-        sliding[frame] = size > limit[frame]
-        force[frame] = tried * (limit[frame] / size) if sliding[frame] else tried
-    return force, sliding
+    # plain numbers: each frame needs the one before, and arrays of two are ten times as slow
+    springs, limits = spring.tolist(), limit.tolist()
+    x = y = 0.0
+    forces, sliding = [x, y], [False]
+    for frame, (along_x, along_y) in enumerate(np.diff(centre, axis=0).tolist(), start=1):
+        slides = False
+        if springs[frame] > 0.0:
+            x, y = x - springs[frame] * along_x, y - springs[frame] * along_y
+            size = math.hypot(x, y)
+            slides = size > limits[frame]
+            if slides:
+                x, y = x * (limits[frame] / size), y * (limits[frame] / size)
+        else:
+            x = y = 0.0
+        forces += (x, y)
+        sliding.append(slides)
+    return np.array(forces[: 2 * len(centre)]).reshape(-1, 2), np.array(sliding[: len(centre)], dtype=bool)

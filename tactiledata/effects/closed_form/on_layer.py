@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -36,9 +37,17 @@ class OnLayer(ABC):
 
     def difference(self, variant: GelVariant) -> Array:
         """Wrench (n, 6), N and N m, of the recorded touch with a variant of the gel, less that with the nominal gel."""
+        return self._recorded(variant) - self._nominal
+
+    @cached_property
+    def _nominal(self) -> Array:
+        """Wrench (n, 6), N and N m, of the recorded touch with the nominal gel."""
+        return self._recorded(GelVariant())
+
+    def _recorded(self, variant: GelVariant) -> Array:
+        """Return the wrench (n, 6), N and N m, of the recorded touch with a variant of the gel."""
         n = len(self.touch)
-        recorded = np.zeros(n), np.zeros((n, 2)), np.ones(n)
-        return self._respond(*recorded, variant).wrench - self._respond(*recorded, GelVariant()).wrench
+        return self._respond(np.zeros(n), np.zeros((n, 2)), np.ones(n), variant).wrench
 
     @abstractmethod
     def _respond(self, offset: Array, shift: Array, friction: Array, gel: GelVariant) -> ContactResponse:
