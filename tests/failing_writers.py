@@ -1,10 +1,15 @@
 """Writers that are killed, that find a full disk or another writer, and what they leave: for tests of any writer."""
 
+import contextlib
+import ctypes
 import hashlib
+import io
+import json
 import os
 import resource
 import signal
 
+from tactiledata.cli.failure import report_failure
 from tactiledata.errors import TactileDataError
 
 MOMENTS = ("pwrite", "replace", "rename", "fsync", "ftruncate", "unlink", "rmdir", "open")
@@ -53,6 +58,42 @@ def in_child(work):
     return os.waitpid(child, 0)[1]
 
 
+def begun(work):
+    """Begin work in a forked process; how to wait for its end.
+
+    What is returned gives, once called, the exit code of the command line, and the error as it prints it for machines:
+    ``error``, ``expected`` and ``hint``. There is no error where it ended well.
+    """
+    reading, writing = os.pipe()
+    child = os.fork()
+    if child == 0:
+        code = 4
+        with contextlib.suppress(BaseException), contextlib.redirect_stdout(io.StringIO()) as printed:
+            os.close(reading)
+            try:
+                work()
+                code = 0
+            except Exception as error:  # noqa: BLE001 - the command line tells whatever comes out, too
+                printed.seek(0)
+                printed.truncate()
+                code = report_failure(error, as_json=True)
+                os.write(writing, printed.getvalue().encode())
+        os._exit(code)
+    os.close(writing)
+
+    def wait():
+        with os.fdopen(reading, "rb") as stream:
+            said = stream.read()
+        return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), json.loads(said) if said else {}
+
+    return wait
+
+
+def ended(work):
+    """How work in a forked process ends: see `begun`."""
+    return begun(work)()
+
+
 def moments_of(work):
     """How many calls that change the disk a piece of work makes, counted in a forked process that does it."""
     reading, writing = os.pipe()
@@ -92,12 +133,29 @@ def is_killed(work, moment):
     return os.WIFSIGNALED(in_child(killed))
 
 
-def on_a_full_disk(work, limit):
-    """The exit code of work in a forked process whose files cannot grow beyond a limit, bytes; 3: an error of ours."""
+def fill_disk(limit):
+    """Make files of this process grow no further than some bytes from now on."""
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
 
-    def limited():
-        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
-        work()
 
-    return os.waitstatus_to_exitcode(in_child(limited))
+def obey_modes():
+    """Make the modes of files hold for this process from now on, also where root runs it."""
+    library, version, override = ctypes.CDLL(None, use_errno=True), 0x20080522, 0b111
+    header, sets = (ctypes.c_uint32 * 2)(version, 0), (ctypes.c_uint32 * 6)()
+    assert library.capget(header, sets) == 0
+    sets[0] &= ~override
+    assert library.capset(header, sets) == 0
+
+
+@contextlib.contextmanager
+def read_only(folder):
+    """Take the right to write away from a folder and all that it holds, inside the block."""
+    places = [folder, *folder.rglob("*")]
+    for place in places:
+        place.chmod(0o555 if place.is_dir() else 0o444)
+    try:
+        yield
+    finally:
+        for place in places:
+            place.chmod(0o755 if place.is_dir() else 0o644)

@@ -22,37 +22,50 @@ FAULTS = {
 }
 """Columns, as the list names them and as the page heads them."""
 NODE = re.compile(r"(?P<file>tests/[\w/]+\.py)::(?P<name>test_\w+)(\[(?P<case>[\w-]+)\])?")
-NO_WORKERS = "no workers"
-"""What the list says in place of tests where a writer starts no workers."""
 
 
 def listed():
-    """The list: writers by name, each with its tests by fault."""
+    """The list: writers by name, each with its tests by fault, or with the name of a reason why there can be none."""
     return yaml.safe_load(LIST.read_text(encoding="utf-8"))["writers"]
+
+
+def reasons():
+    """The reasons why a fault cannot meet a writer, by their names in the list."""
+    return yaml.safe_load(LIST.read_text(encoding="utf-8"))["reasons"]
 
 
 def cell(found):
     """What a cell says of its tests."""
-    if found == NO_WORKERS:
+    if isinstance(found, str):
         return "–"
     return f"{len(found)} test{'s'[: len(found) > 1]}" if found else "**not tested**"
 
 
+def told(found, why):
+    """What stands below the table on a cell: its tests, or the reason why there can be none."""
+    if isinstance(found, str):
+        return why[found]
+    return ", ".join(f"`{node.removeprefix('tests/')}`" for node in found)
+
+
 def drawn():
     """The table, and the tests below it."""
-    writers = listed()
+    writers, why = listed(), reasons()
     lines = [f"| writer | {' | '.join(FAULTS.values())} |", f"|---|{'---|' * len(FAULTS)}"]
     lines += [
         f"| {name} | {' | '.join(cell(entry.get(fault, [])) for fault in FAULTS)} |" for name, entry in writers.items()
     ]
     missing = sum(cell(entry.get(fault, [])) == "**not tested**" for entry in writers.values() for fault in FAULTS)
-    lines += ["", f"{missing} of {len(writers) * len(FAULTS)} cells are not tested. The tests by writer:", ""]
+    dashes = sum(cell(entry.get(fault, [])) == "–" for entry in writers.values() for fault in FAULTS)
+    total = len(writers) * len(FAULTS)
+    without = "No cell is" if not missing else f"{missing} of {total} cells are"
+    lines += ["", f"{without} without a test that could have one. In {dashes} of {total} the fault cannot come."]
+    lines += ["", "The tests by writer, and the reasons:", ""]
     for writer, entry in writers.items():
         lines.append(f"- **{writer}**")
         for fault, words in FAULTS.items():
-            if (found := entry.get(fault, [])) and found != NO_WORKERS:
-                names = (node.removeprefix("tests/") for node in found)
-                lines.append(f"    - {words}: {', '.join(f'`{name}`' for name in names)}")
+            if found := entry.get(fault, []):
+                lines.append(f"    - {words}: {told(found, why)}")
     return "\n".join(lines) + "\n"
 
 

@@ -1,6 +1,6 @@
 """docs/reliability.md shows the list of faults, and the list names tests that exist."""
 
-from fault_table import FAULTS, NO_WORKERS, PAGE, absent, drawn_page, listed
+from fault_table import FAULTS, PAGE, absent, drawn_page, listed, reasons
 from faults.writers import WRITERS
 
 CASES = "tests/faults/test_writers_under_faults.py"
@@ -20,11 +20,14 @@ def test_the_page_shows_the_list():
 
 
 def test_every_test_of_the_list_exists():
-    """Each name is that of a test function; cells of tests/faults are of a writer there."""
+    """Each name is that of a test function, or of a reason; cells of tests/faults are of a writer there."""
     for name, entry in listed().items():
         assert set(entry) <= set(FAULTS), name
         for found in entry.values():
-            for node in [] if found == NO_WORKERS else found:
+            if isinstance(found, str):
+                assert found in reasons(), f"{name}: {found} is no reason of the list"
+                continue
+            for node in found:
                 assert not absent(node), f"{name}: {node} {absent(node)}"
                 if node.startswith(f"{CASES}::"):
                     assert node.partition("[")[2].rstrip("]") in WRITERS, node

@@ -284,14 +284,14 @@ class _Loop:
         return {name: (value / values[-1]).item() for name, value in zip(names, values[:-1], strict=True)}
 
     def _save(self) -> None:
-        """Write the last checkpoint and the curve; only the first process does."""
+        """Write the curve, then the last checkpoint, which says what is done; only the first process does."""
         self.saved = time.monotonic()
         if not self.ranks.is_first:
             return
         optimiser = {} if self.progress.is_over else self.optimiser.state_dict()
         kept = Checkpoint.of(self.objective.network, self.stamps, self.progress.document(), optimiser)
-        save_checkpoint(self.folder / LAST, kept)
         write_curves(self.folder, self.progress.rows)
+        save_checkpoint(self.folder / LAST, kept)
 
 
 def _seed(*parts: int) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,7 @@ from tactiledata.cli.given_values import listed_names
 from tactiledata.cli.output import JSON_OPTION, emit, err, plain, progress, say
 from tactiledata.cli.task_options import scheduler_option, workers_option
 from tactiledata.cli.working_store import working_store
-from tactiledata.errors import UsageError
+from tactiledata.errors import TactileDataError, UsageError
 
 TABLES = (".csv", ".tsv", ".parquet")
 """Endings of files that are read as tables."""
@@ -138,8 +139,11 @@ def _folder(path: Path | None) -> Path | None:
 def _writable(out: Path) -> Path:
     """Return the folder for the results; refuse a path that cannot be written to, before any work is done."""
     nearest = next(place for place in (out, *out.absolute().parents) if place.exists())
-    if not nearest.is_dir() or not os.access(nearest, os.W_OK) or (out / "report.html").is_dir():
+    if not nearest.is_dir() or (out / "report.html").is_dir():
         raise UsageError(f"--out {out} cannot be written to", "a folder, or a place for one", "Name another folder.")
+    if not os.access(nearest, os.W_OK | os.X_OK):
+        what = f"--out {out} cannot be written to: {os.strerror(errno.EACCES)} ({nearest})"
+        raise TactileDataError(what, "a folder that may be written to", "Check your rights, or name another folder.")
     return out
 
 

@@ -8,8 +8,8 @@ from concurrent.futures.process import BrokenProcessPool
 from typing import Any
 
 from tactiledata.compute.base import Outcome, R, Scheduler, T, attempt, in_order
-from tactiledata.contract.worker_pool import worker_pool
-from tactiledata.errors import TactileDataError, UsageError
+from tactiledata.contract.worker_pool import worker_died, worker_pool
+from tactiledata.errors import UsageError
 
 
 class LocalScheduler(Scheduler):
@@ -55,7 +55,7 @@ def _submitted(pool: ProcessPoolExecutor, function: Callable[[Any], Any], task: 
     try:
         return pool.submit(attempt, function, task)
     except BrokenProcessPool as error:
-        raise _worker_died(task) from error
+        raise worker_died(task) from error
 
 
 def _collect(task: Any, future: Future[Outcome[Any, Any]]) -> Outcome[Any, Any]:
@@ -63,14 +63,4 @@ def _collect(task: Any, future: Future[Outcome[Any, Any]]) -> Outcome[Any, Any]:
     try:
         return future.result()
     except BrokenProcessPool as error:
-        raise _worker_died(task) from error
-
-
-def _worker_died(task: Any) -> TactileDataError:
-    """Return the error for a worker process that died near a task."""
-    return TactileDataError(
-        f"a worker process died while the workers were at {str(task)[:300]}",
-        "",
-        "Most often the machine ran out of memory: use fewer --workers. (A Python script that starts workers must "
-        "do so under `if __name__ == '__main__':`.) Run the command again to go on; finished tasks are kept.",
-    )
+        raise worker_died(task) from error

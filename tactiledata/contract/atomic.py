@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import secrets
 from pathlib import Path
 
 from tactiledata.contract.provenance import json_bytes
+
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+"""Errors of the system where there is no more room: a full disk, a quota, a limit on the size of files."""
+REFUSED = (errno.EACCES, errno.EPERM, errno.EROFS)
+"""Errors of the system where nothing may be written: no right to, or a read-only disk."""
 
 
 def write_atomic(path: Path, content: bytes) -> None:
@@ -20,6 +26,10 @@ def write_atomic(path: Path, content: bytes) -> None:
             stream.flush()
             os.fsync(stream.fileno())
         beside.replace(path)
+    except OSError as error:
+        # the system names no file where there is no room for one
+        error.filename = error.filename or str(path)
+        raise
     finally:
         beside.unlink(missing_ok=True)
     sync_folder(path.parent)

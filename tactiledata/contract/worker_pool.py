@@ -14,6 +14,8 @@ from multiprocessing.managers import SyncManager
 from queue import Queue
 from typing import Any
 
+from tactiledata.errors import TactileDataError
+
 ORPHANED = 1
 """Exit status of a worker whose parent is gone."""
 
@@ -56,6 +58,16 @@ def shared_queue() -> Iterator[Queue[Any]]:
         manager.start(_end_with_parent, (watched,))
         with manager:
             yield manager.Queue()
+
+
+def worker_died(task: object) -> TactileDataError:
+    """Return the error for a worker process that died near a task."""
+    return TactileDataError(
+        f"a worker process died while the workers were at {str(task)[:300]}",
+        "",
+        "Most often the machine ran out of memory: use fewer --workers. (A Python script that starts workers must "
+        "do so under `if __name__ == '__main__':`.) Run the command again to go on; finished tasks are kept.",
+    )
 
 
 def _end_with_parent(watched: Connection) -> None:

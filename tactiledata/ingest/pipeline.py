@@ -22,7 +22,7 @@ from tactiledata.contract.provenance import digest_of, file_digest, files_digest
 from tactiledata.contract.records import Finding, Recording, Source
 from tactiledata.contract.schema import check_document
 from tactiledata.contract.take import FrameFlag, Take, findings_of, findings_table
-from tactiledata.errors import BrokenLog, MissingFile
+from tactiledata.errors import BrokenLog, MissingFile, StoreError
 from tactiledata.formats import FORMATS
 from tactiledata.ingest.checks.blank_images import blank_images
 from tactiledata.ingest.checks.checks import broken_images, check_take, flag_images
@@ -162,8 +162,16 @@ def _compared(reports: list[SourceReport], folder: Path) -> list[SourceReport]:
 def _told(
     outcomes: Iterator[Outcome[_Task, _Read]], n_tasks: int, progress: Progress | None
 ) -> Iterator[Outcome[_Task, _Read]]:
-    """The outcomes, each told to who watches."""
+    """The outcomes, each told to who watches; a store that cannot be written ends them, as it is no fault of a source.
+
+    Raises
+    ------
+    StoreError
+        The disk of the store is full, or it may not be written to.
+    """
     for done, outcome in enumerate(outcomes, start=1):
+        if isinstance(outcome.error, StoreError) and "errno" in outcome.error.facts:
+            raise outcome.error
         if progress is not None:
             progress(done, n_tasks, outcome.task.source.key)
         yield outcome

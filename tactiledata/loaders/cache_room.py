@@ -17,9 +17,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.contract.atomic import write_atomic
+from tactiledata.contract.atomic import FULL, REFUSED, write_atomic
 from tactiledata.contract.provenance import digest_of
-from tactiledata.errors import UsageError
+from tactiledata.errors import TactileDataError, UsageError
 from tactiledata.loaders.decoded_cache import DecodedCache, open_slots, slot_bytes
 
 if TYPE_CHECKING:
@@ -72,7 +72,9 @@ def claim(
     Raises
     ------
     UsageError
-        The folder cannot be used, or the bound has no room for one picture.
+        The folder is none, or the bound has no room for one picture.
+    TactileDataError
+        The folder may not be written to, or its disk is full.
     """
     folder = Path(folder)
     each = slot_bytes(shape) + ROW_BYTES
@@ -86,9 +88,10 @@ def claim(
         with _locked(folder):
             return _claimed(folder, most_bytes, store, rows, shape)
     except OSError as error:
-        raise UsageError(
+        kind = TactileDataError if error.errno in (*FULL, *REFUSED) else UsageError
+        raise kind(
             f"decoded pictures cannot be kept in {folder}: {error.strerror or error}",
-            "a folder on a local disk that may be written",
+            "a folder on a local disk with room, that may be written",
             "Name another folder, or leave `cache` out.",
         ) from error
 

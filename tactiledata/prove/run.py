@@ -78,7 +78,8 @@ class ProofRun:
                     "Name another folder, or leave all options out to go on.",
                 )
             return
-        if self.folder.path.exists() and any(self.folder.path.iterdir()):
+        # hidden files are what a killed process was still writing, or another one that begins at this moment writes
+        if self.folder.path.exists() and any(place.name[0] != "." for place in self.folder.path.iterdir()):
             raise UsageError(
                 f"{self.folder.path} holds other files", "an empty folder, or one with a proof", "Name another folder."
             )

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Sequence
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from queue import Empty, Queue
 from typing import Literal
 
+from tactiledata.contract.atomic import FULL, REFUSED
 from tactiledata.contract.progress import Progress
-from tactiledata.contract.worker_pool import shared_queue, worker_pool
+from tactiledata.contract.worker_pool import shared_queue, worker_died, worker_pool
 from tactiledata.errors import SchemaError, TactileDataError, UnknownName, UsageError
 from tactiledata.rig.logs.sampling import sample
 from tactiledata.rig.logs.truth import write_truth
@@ -62,7 +64,9 @@ def record(
     SchemaError, MissingFile, UnsafeContent
         An indenter or a background cannot be used, or names collide.
     UsageError
-        A pose is out of the arm's reach, or ``out`` cannot be written to.
+        A pose is out of the arm's reach, or ``out`` is no folder.
+    TactileDataError
+        ``out`` has no room or may not be written to; or a worker process died.
     """
     if form not in ("mcap", "folder"):
         raise UnknownName("form of a log", form, ("folder", "mcap"))
@@ -77,13 +81,16 @@ def record(
                 written.append(_record_log(scenario, out, form, counts.report, index, rig_setup))
         else:
             _record_in_processes(scenario, out, form, counts, workers, written)
+    except BrokenProcessPool as error:
+        raise worker_died(f"logs of {out}") from error
     except OSError as error:
         if isinstance(error, TactileDataError):
             raise
-        raise UsageError(
+        kind = TactileDataError if error.errno in (*FULL, *REFUSED) else UsageError
+        raise kind(
             f"{error.filename or out} cannot be written: {error.strerror}",
             "a folder to write to, with room in it and names that its file system takes",
-            "Name another folder with --out. Logs that are already there are whole.",
+            "Make room, or name another folder with --out. Logs that are already there are whole.",
             written=[str(path) for path in written],
         ) from error
     return written

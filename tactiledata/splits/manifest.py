@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import json
 import shlex
 from collections.abc import Mapping
@@ -17,7 +16,7 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from tactiledata.contract.arrow_memory import arrow_reader
-from tactiledata.contract.atomic import write_atomic
+from tactiledata.contract.atomic import FULL, REFUSED, write_atomic
 from tactiledata.contract.provenance import bytes_digest, provenance
 from tactiledata.contract.schema import check_document
 from tactiledata.contract.sealed import SEAL, fits_seal, sealed_json
@@ -29,9 +28,7 @@ from tactiledata.errors import (
     NotFetched,
     SchemaError,
     StoreError,
-    TactileDataError,
     UnknownName,
-    UsageError,
 )
 from tactiledata.splits.again import command
 from tactiledata.splits.assign import SPLIT_SCHEMA
@@ -44,8 +41,6 @@ if TYPE_CHECKING:
     from tactiledata.store.read.reader import Store
 
 SPLIT_FORMAT = "tactiledata-split/1"
-REFUSED = (errno.EACCES, errno.EPERM, errno.EROFS)
-"""Errors of the system where a folder may not be written to: no right to, or a read-only disk."""
 
 
 @dataclass(frozen=True)
@@ -126,10 +121,8 @@ def write_split(path: Path, report: SplitReport, table: pa.Table, store: Mapping
 
     Raises
     ------
-    UsageError
-        The folder is not writable.
     StoreError
-        The files cannot be written for another reason, such as a full disk.
+        The files cannot be written: no right to, a full disk, or one that does not work.
     """
     buffer = pa.BufferOutputStream()
     pq.write_table(table, buffer, compression="zstd")
@@ -145,15 +138,15 @@ def write_split(path: Path, report: SplitReport, table: pa.Table, store: Mapping
         raise _not_written(path, error) from error
 
 
-def _not_written(path: Path, error: OSError) -> TactileDataError:
+def _not_written(path: Path, error: OSError) -> StoreError:
     if error.errno in REFUSED:
-        return UsageError(
+        return StoreError(
             f"the split cannot be written: the folder {path.parent} is not writable ({error.strerror})",
             "a folder that can be written to",
             "Copy the store to a place of yours, or ask its owner.",
             path=str(path),
         )
-    is_full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+    is_full = error.errno in FULL
     what = "Free some space" if is_full else "Check the disk"
     return StoreError(
         f"the split could not be written to {path.parent}: {error.strerror or error}",

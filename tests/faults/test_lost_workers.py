@@ -1,17 +1,32 @@
-"""A worker of a real Dask cluster that is killed on the way costs its tasks alone: the store has the same bytes."""
+"""Workers that are killed on the way cost their tasks alone: what is written has the same bytes.
 
+Those of a real Dask cluster are started anew, and the command goes on; where a local one dies, the command says so.
+"""
+
+import json
+import multiprocessing
 import os
 import signal
+import time
+from types import SimpleNamespace
 
 import pytest
 from copied_trees import copy_tree
 from failing_writers import files
 from generators import folder_log
 from replay.coarse import options
+from sealed_proofs import REQUEST, said, sealed_proof
+from writers import small_world
 
+from tactiledata.compute import make_scheduler
+from tactiledata.errors import TactileDataError
 from tactiledata.ingest.pipeline import ingest
+from tactiledata.prove.answers import tasks
+from tactiledata.prove.run import ProofRun
+from tactiledata.prove.seal.verify import verify
 from tactiledata.replay import attach
 from tactiledata.replay.attach import replay
+from tactiledata.rig.record import record
 
 pytestmark = pytest.mark.slow
 
@@ -24,12 +39,12 @@ def cluster():
         yield cluster
 
 
-def killing(cluster, killed):
-    """A progress that kills both workers once something is done: whatever they hold or work at is lost."""
+def killing(cluster, killed, count=2):
+    """A progress that kills workers once something is done: whatever they hold or work at is lost."""
 
     def kill(done, total, what=""):
         if done and not killed:
-            killed.extend(worker.pid for worker in cluster.workers.values())
+            killed.extend([worker.pid for worker in cluster.workers.values()][:count])
             for pid in killed:
                 os.kill(pid, signal.SIGKILL)
 
@@ -63,3 +78,56 @@ def test_replay_loses_nothing(cluster, tiny_store, tmp_path, monkeypatch):
     replay(together, options(), scheduler=cluster.scheduler_address, progress=killing(cluster, killed))
     assert len(killed) == 2
     assert files(together) == files(alone)
+
+
+def slow_answer(task):
+    """An answer that takes half a second and names nothing; workers give it in place of a diagnosis."""
+    tasks.played_plan = lambda *given: None
+    tasks.named_world = lambda *given: time.sleep(0.5) or SimpleNamespace(document=said([]))
+    return tasks.answer(task)
+
+
+def test_a_proof_loses_no_answer(cluster, tmp_path, monkeypatch):
+    """A worker is killed after the first answer: each case has one answer, and attempts that gave none are counted."""
+    folder = sealed_proof(tmp_path / "proof", cases=3)
+    seal, killed = json.loads(folder.seal.read_text()), []
+    monkeypatch.setattr("tactiledata.prove.run.answer", slow_answer)
+    kill = killing(cluster, killed, 1)
+    run = ProofRun(
+        folder,
+        REQUEST,
+        tmp_path,
+        make_scheduler(address=cluster.scheduler_address),
+        # the next cases are begun by then
+        lambda *done: (time.sleep(0.2), kill(*done)),
+    )
+    run.answer(seal)
+    run.score()
+    assert len(killed) == 1
+    found = verify(folder)
+    assert (found.faults, found.cases, found.answers) == ((), 6, 6)
+    counts = {name: (len(folder.attempts_of(name)), len(folder.answers_of(name))) for name in seal["cases"]}
+    assert {answers for _, answers in counts.values()} == {1}
+    assert {attempts for attempts, _ in counts.values()} == {1, 2}
+    assert any("begun 2 times" in note for note in found.notes)
+
+
+def test_record_says_so_and_goes_on(tmp_path):
+    """A local process that dies ends the command with an error that says so; the same command then ends the same."""
+    world = small_world(4)
+    record(world, tmp_path / "alone", "folder")
+    killed = []
+
+    def kill(done, total):
+        # the other process that was started keeps the queue of counts
+        for process in multiprocessing.active_children():
+            if process.name.startswith("SpawnProcess") and not killed:
+                killed.append(process.pid)
+                os.kill(process.pid, signal.SIGKILL)
+
+    with pytest.raises(TactileDataError, match="a worker process died") as caught:
+        record(world, tmp_path / "parted", "folder", kill, workers=2)
+    assert (caught.value.exit_code, len(killed)) == (1, 1)
+    record(world, tmp_path / "parted", "folder")
+    assert files(tmp_path / "parted").items() >= files(tmp_path / "alone").items()
+    assert not [name for name in files(tmp_path / "parted").keys() - files(tmp_path / "alone") if ".part" not in name]

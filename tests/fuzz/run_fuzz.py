@@ -26,6 +26,7 @@ import traceback
 import warnings
 from collections import Counter
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -38,6 +39,8 @@ from fuzz_mutations import mutate_folder  # noqa: E402 - after the folders of wh
 from fuzz_readers import READERS, Reader  # noqa: E402
 
 GIB = 2**30
+IDLE = 0.01
+"""Share of the time of a processor below which a process that does not want to run is taken to wait for ever."""
 
 
 @dataclass(frozen=True)
@@ -110,11 +113,14 @@ def _in_child(
     done = 0
     with os.fdopen(reading) as stream:
         while True:
-            began = _processor_seconds(child)
+            began = last = _processor_seconds(child)
             while not (is_ready := select.select([stream], [], [], limits.seconds)[0]):
+                now_spent = _processor_seconds(child)
                 # on a busy machine a process may want to run and not be let
-                if _processor_seconds(child) - began >= limits.seconds or not _wants_to_run(child):
+                is_idle = now_spent - last < IDLE * limits.seconds and not _wants_to_run(child)
+                if now_spent - began >= limits.seconds or is_idle:
                     break
+                last = now_spent
             if not is_ready:
                 os.kill(child, signal.SIGKILL)
                 fault = Fault(reader.name, now, f"more than {limits.seconds:g} s", changes)
@@ -134,20 +140,24 @@ def _in_child(
     return fault, [] if fault is None else seeds[seeds.index(fault.seed) + 1 :]
 
 
-def _facts(process: int) -> list[str]:
-    """The facts of a process that Linux tells, from its state on."""
-    return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+def _facts(place: Path) -> list[str]:
+    """The facts of a process or of a thread that Linux tells, from its state on."""
+    return (place / "stat").read_text().rpartition(")")[2].split()
 
 
 def _processor_seconds(process: int) -> float:
     """Seconds of a processor that a process has taken."""
-    user, system = _facts(process)[11:13]
+    user, system = _facts(Path(f"/proc/{process}"))[11:13]
     return (int(user) + int(system)) / os.sysconf("SC_CLK_TCK")
 
 
 def _wants_to_run(process: int) -> bool:
-    """Whether a process runs, waits for a processor, or for a disk; else it waits for what may never come."""
-    return _facts(process)[0] in "RD"
+    """Whether a thread of a process runs, waits for a processor, or for a disk; else it waits for what may not come."""
+    for thread in Path(f"/proc/{process}/task").iterdir():
+        with suppress(FileNotFoundError, ProcessLookupError):  # it has ended since
+            if _facts(thread)[0] in "RD":
+                return True
+    return False
 
 
 def _work(reader: Reader, fixture: Path, case: Path, seeds: list[int], memory: int, pipe: int) -> None:

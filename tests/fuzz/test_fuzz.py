@@ -3,13 +3,14 @@
 import os
 import signal
 import tempfile
+import threading
 import time
 
 import numpy as np
 import pytest
 from fuzz_mutations import mutate_bytes, mutate_folder
 from fuzz_readers import READERS, Reader
-from run_fuzz import GIB, Limits, fuzz, run_cases
+from run_fuzz import GIB, Limits, _wants_to_run, fuzz, run_cases
 
 from tactiledata.errors import BrokenLog
 
@@ -62,6 +63,26 @@ def test_each_kind_of_fault_is_found_and_kept(read, what, tmp_path):
     found = run_cases(reader, whole, range(2), Limits(0.3, GIB // 2), tmp_path / "kept")
     assert [fault.what.startswith(what or "") for fault in found] == ([True, True] if what else [])
     assert {place.name for place in (tmp_path / "kept").glob("*")} == ({"mine-0", "mine-1"} if what else set())
+
+
+def test_a_thread_at_work_is_no_wait():
+    """A process whose main thread waits for another one wants to run; one that sleeps does not."""
+
+    def work_in_thread():
+        thread = threading.Thread(target=turn, args=(None,))
+        thread.start()
+        thread.join()
+
+    for work, wants in ((work_in_thread, True), (lambda: wait(None), False)):
+        child = os.fork()
+        if child == 0:
+            work()
+        try:
+            time.sleep(0.2)
+            assert _wants_to_run(child) is wants
+        finally:
+            os.kill(child, signal.SIGKILL)
+            os.waitpid(child, 0)
 
 
 def test_changes_are_drawn_by_their_seed(tmp_path):

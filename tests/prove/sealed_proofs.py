@@ -47,16 +47,16 @@ def said(names, verdict=None):
     }
 
 
-def sealed_proof(path, size_of=lambda kind: 50):
-    """A folder with twelve sealed cases; ``size_of`` says how many readings a case of a kind has."""
+def sealed_proof(path, size_of=lambda kind: 50, cases=6):
+    """A folder with sealed cases, of two kinds; ``size_of`` says how many readings a case of a kind has."""
     folder = ProofFolder(path)
     write_json_atomic(folder.proof, {"format": FORMAT, "request": REQUEST.document})
     drawn = []
-    for number, kind in enumerate(["nulls"] * 6 + ["visible"] * 6):
+    for number, kind in enumerate(["nulls"] * cases + ["visible"] * cases):
         readings = [(np.arange(size_of(kind), dtype=np.int64), np.full((size_of(kind), 6), float(number)))]
         write_atomic(folder.drawn_readings(number), readings_bytes(readings))
         drawn.append({"number": number, "label": label(kind, number)})
-    seal_cases(folder, drawn, {str(number): "coarse-0" for number in range(12)}, {})
+    seal_cases(folder, drawn, {str(number): "coarse-0" for number in range(2 * cases)}, {})
     return folder
 
 

@@ -13,7 +13,7 @@ from mcap_ros2.decoder import DecoderFactory
 
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.schema import read_document
-from tactiledata.errors import UnknownName, UsageError
+from tactiledata.errors import TactileDataError, UnknownName, UsageError
 from tactiledata.rig.logs import ros2_messages
 from tactiledata.rig.motion import ur5e
 from tactiledata.rig.record import record
@@ -178,8 +178,9 @@ def test_a_log_is_whole_or_not_there(tmp_path, monkeypatch):
     monkeypatch.setattr(
         write_mcap, "_describe", lambda *_: (_ for _ in ()).throw(OSError(28, "No space left on device"))
     )
-    with pytest.raises(UsageError, match="No space left"):
+    with pytest.raises(TactileDataError, match="No space left") as caught:
         recorded(tmp_path, seed=6)
+    assert caught.value.exit_code == 1
     assert (tmp_path / "D1.mcap").read_bytes() == before
     assert not list(tmp_path.glob(".*"))
 

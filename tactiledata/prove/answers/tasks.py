@@ -11,7 +11,14 @@ from tactiledata.contract.atomic import write_atomic, write_json_atomic
 from tactiledata.prove.answers.named import named_world
 from tactiledata.prove.cases.configuration import played_plan
 from tactiledata.prove.cases.draw import CaseRequest, drawn_case
-from tactiledata.prove.seal.folder import ProofFolder, read_json, read_readings, readings_bytes, write_sealed
+from tactiledata.prove.seal.folder import (
+    ProofFolder,
+    read_json,
+    read_readings,
+    read_sealed,
+    readings_bytes,
+    write_sealed,
+)
 from tactiledata.prove.worlds.generators import make_generator
 from tactiledata.prove.worlds.logs import LogReadings, play_logs, unfelt
 from tactiledata.prove.worlds.plan_names import named_plan
@@ -125,14 +132,30 @@ def draw(task: DrawTask) -> dict[str, Any]:
 
 
 def answer(task: AnswerTask) -> dict[str, Any]:
-    """Diagnose a case and keep the answer; return what is printed of it."""
+    """Diagnose a case and keep the answer; return what is printed of it.
+
+    A scheduler runs a task again whose worker was lost: an answer that was kept before is not given again, and an
+    attempt that gave none is counted.
+    """
     folder = task.folder
-    began = {"case": task.name, "attempt": task.attempt, "tool": task.tool}
-    write_json_atomic(folder.attempt(task.name, task.attempt), began)
+    answered = [number for number in folder.answers_of(task.name) if number >= task.attempt]
+    if answered:
+        return _printed(read_sealed(folder.answer(task.name, answered[-1]))[0])
+    attempt = max([task.attempt - 1, *folder.attempts_of(task.name)]) + 1
+    began = {"case": task.name, "attempt": attempt, "tool": task.tool}
+    write_json_atomic(folder.attempt(task.name, attempt), began)
     readings = [LogReadings(*one) for one in read_readings(folder.case(task.name))]
     played = played_plan(task.plan, task.bank, task.with_variants)
     started = time.perf_counter()
     found = named_world(played, readings, task.pairs, task.in_full).document
     document = {**began, "seconds": round(time.perf_counter() - started, 2), "answer": found}
-    write_sealed(folder.answer(task.name, task.attempt), document)
-    return {"case": task.name, "verdict": found["verdict"], "set": found["set"], "seconds": document["seconds"]}
+    write_sealed(folder.answer(task.name, attempt), document)
+    return _printed(document)
+
+
+def _printed(document: dict[str, Any]) -> dict[str, Any]:
+    """Return what is printed of an answer."""
+    found = document["answer"]
+    return {
+        "case": document["case"], "verdict": found["verdict"], "set": found["set"], "seconds": document["seconds"],
+    }  # fmt: skip

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import errno
 import fcntl
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from tactiledata.contract.atomic import FULL
 from tactiledata.errors import StoreBusy, StoreError
 from tactiledata.store.layout.places import LOCK, STAGING
 
@@ -96,7 +96,7 @@ def waiting_lock(store_path: Path | str, name: str) -> Iterator[None]:
 
 def unwritable(store_path: Path | str, error: OSError) -> StoreError:
     """The error that says why a store could not be written: disk full, read-only, no permission."""
-    full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+    full = error.errno in FULL
     remedy = (
         "Free some space (or raise the limit) and run the same command again: it goes on where it stopped."
         if full
