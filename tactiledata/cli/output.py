@@ -134,7 +134,8 @@ def progress(title: str, quiet: bool = False) -> Iterator[Progress]:
             tenth, now = done * 10 // max(total, 1), time.monotonic()
             if tenth != tenths[0] or now - moment[0] > QUIET_SECONDS:
                 tenths[0], moment[0] = tenth, now
-                console.print(plain(f"{title}: {done}/{total} {what}{time_left(done, total, now - began)}"))
+                said = f"{title}: {done}/{total}{' ' * bool(what)}{what}{time_left(done, total, now - began)}"
+                console.print(plain(said))
 
         yield line
         return
