@@ -19,9 +19,9 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from collections.abc import Iterator
 
 import psutil
 import yaml
@@ -38,7 +38,7 @@ HUGGINGFACE = """
 import torch
 from datasets import load_dataset
 rows = load_dataset("for-datasets", split="train").select_columns(["digit", "contact_wrench"]).with_format("torch")
-network = torch.nn.Sequential(torch.nn.AvgPool2d(16), torch.nn.Flatten(), torch.nn.LazyLinear(1))
+network = torch.nn.Sequential(torch.nn.AvgPool2d(16), torch.nn.Flatten(), torch.nn.Linear(900, 1))
 for batch in torch.utils.data.DataLoader(rows, batch_size=16, shuffle=True):
     loss = (network(batch["digit"].float() / 255)[:, 0] - batch["contact_wrench"][:, 2].float()).square().mean()
     loss.backward()
@@ -47,7 +47,7 @@ LEROBOT = """
 import torch
 from lerobot.datasets.lerobot_dataset import LeRobotDataset
 train = LeRobotDataset("tactile", root="for-lerobot")
-network = torch.nn.Sequential(torch.nn.AvgPool2d(16), torch.nn.Flatten(), torch.nn.LazyLinear(1))
+network = torch.nn.Sequential(torch.nn.AvgPool2d(16), torch.nn.Flatten(), torch.nn.Linear(900, 1))
 for batch in torch.utils.data.DataLoader(train, batch_size=16, shuffle=True):
     wrench = batch["observation.contact_wrench"]
     loss = (network(batch["observation.images.digit"])[:, 0] - wrench[:, 2]).square().mean()
@@ -61,9 +61,9 @@ def steps(scheduler: str | None) -> list[tuple[str, str]]:
     store = "cluster.zarr" if scheduler else "mine.zarr"
     shared = [
         ("ingest", f"ingest recordings --store {store}{many}"),
-        ("transfer", f"transfer {store} --to ycb-sensorB --method relit --out transferred{bool(scheduler):d}{many}"),
-        ("replay, linear", f"replay {store} --fidelity linear{many}"),
+        ("transfer", f"transfer {store} --to ycb-sensorB --method relit --out moved-{store}{many}"),
         ("calibrate, linear", f"calibrate {store} --fidelity linear --out {store}.json{many}"),
+        ("replay, linear", f"replay {store} --fidelity linear --calibration {store}.json{many}"),
         ("diagnose, linear, no pairs", f"diagnose {store} --fidelity linear --no-pairs --out {store}-diagnosis{many}"),
     ]
     if scheduler:
