@@ -91,7 +91,8 @@ def findings(found: Iterable[tuple[str, Finding]], most: int = 40) -> None:
     console = out()
     for where, finding in listed[:most]:
         colour = COLOURS[finding.severity]
-        place = f"{where}: " if where else ""
+        # some messages begin with the name of the recording
+        place = f"{where}: " if where and not finding.message.startswith(f"{where}: ") else ""
         text = f"{plain(place)}{plain(finding.message)} \\[{finding.code}]"
         console.print(f"  [{colour}]{finding.severity:<7}[/{colour}] {text}")
     if len(listed) > most:

@@ -89,7 +89,7 @@ def test_frames_beside_trajectories_leak_too(word):
 
 def test_a_misspelt_word_is_no_leak():
     """It is said to be unknown, with the nearest word; a known one without trajectories would tear them."""
-    with pytest.raises(UnknownName, match="unknown --by 'sensors'.*Did you mean sensor"):
+    with pytest.raises(UnknownName, match=r"unknown --by 'sensors'.*Did you mean sensor"):
         read_by("sensors")
     with pytest.raises(UsageError, match="by sensor would tear"):
         read_by("sensor")

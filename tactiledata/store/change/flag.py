@@ -9,7 +9,7 @@ from pathlib import Path
 from tactiledata.contract.provenance import provenance
 from tactiledata.contract.records import Finding
 from tactiledata.contract.wording import agreeing, counted
-from tactiledata.errors import UnknownName, UsageError
+from tactiledata.errors import UsageError
 from tactiledata.store.layout.flag_file import FlagEntries, write_flags
 from tactiledata.store.layout.lock import waiting_lock
 from tactiledata.store.layout.places import FLAGS_LOCK
