@@ -109,8 +109,8 @@ def timed(words: str, folder: Path, environment: dict[str, str]) -> tuple[float,
 @contextmanager
 def cluster(environment: dict[str, str]) -> Iterator[str]:
     """A Dask scheduler and two workers of one thread, all processes of this machine; their address."""
-    command = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--port", ADDRESS.rpartition(":")[2]]
-    workers = [sys.executable, "-m", "distributed.cli.dask_worker", ADDRESS, "--nworkers", "2", "--nthreads", "1"]
+    command = [sys.executable, "-m", "dask", "scheduler", "--port", ADDRESS.rpartition(":")[2]]
+    workers = [sys.executable, "-m", "dask", "worker", ADDRESS, "--nworkers", "2", "--nthreads", "1"]
     quiet = {"env": environment, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     running = [subprocess.Popen([*words, "--no-dashboard"], **quiet) for words in (command, workers)]
     try:
