@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -182,8 +183,8 @@ def _print_inspection(inspection: Any) -> None:
     """Print facts, streams and findings of one source."""
     source = inspection.source
     say(f"{source.key}: {source.format}, {counted(len(source.files), 'file')}")
-    for name, value in inspection.facts.items():
-        say(f"  {name}: {value}")
+    for line in _fact_lines(inspection.facts):
+        say(f"  {line}")
     rows = [
         (topic.name, topic.kind, topic.encoding, topic.messages, _rate(topic), topic.role or "-", topic.note)
         for topic in inspection.topics
@@ -194,6 +195,16 @@ def _print_inspection(inspection: Any) -> None:
         if topic.example:
             say(f"  {topic.name}: {topic.example}")
     findings(("", finding) for finding in inspection.findings)
+
+
+def _fact_lines(facts: Mapping[str, Any]) -> Iterator[str]:
+    """Yield facts of a recording as lines: lists without brackets, how long it lasts, nothing of what is empty."""
+    for name, value in facts.items():
+        if value not in ("", None, []):
+            yield f"{name}: {', '.join(value) if isinstance(value, list) else value}"
+    start, end = facts.get("start_ns"), facts.get("end_ns")
+    if start is not None and end is not None:
+        yield f"duration: {(end - start) / 1e9:.1f} s"
 
 
 def _rate(topic: Any) -> str:

@@ -91,7 +91,8 @@ def findings(found: Iterable[tuple[str, Finding]], most: int = 40) -> None:
     console = out()
     for where, finding in listed[:most]:
         colour = COLOURS[finding.severity]
-        place = f"{where}: " if where else ""
+        # some messages begin with the name of the recording
+        place = f"{where}: " if where and not finding.message.startswith(f"{where}: ") else ""
         text = f"{plain(place)}{plain(finding.message)} \\[{finding.code}]"
         console.print(f"  [{colour}]{finding.severity:<7}[/{colour}] {text}")
     if len(listed) > most:
@@ -134,7 +135,8 @@ def progress(title: str, quiet: bool = False) -> Iterator[Progress]:
             tenth, now = done * 10 // max(total, 1), time.monotonic()
             if tenth != tenths[0] or now - moment[0] > QUIET_SECONDS:
                 tenths[0], moment[0] = tenth, now
-                console.print(plain(f"{title}: {done}/{total} {what}{time_left(done, total, now - began)}"))
+                said = f"{title}: {done}/{total}{' ' * bool(what)}{what}{time_left(done, total, now - began)}"
+                console.print(plain(said))
 
         yield line
         return

@@ -15,6 +15,9 @@ from tactiledata.cli.task_options import SCHEDULER, WORKERS
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
 from tactiledata.errors import UnknownName, UsageError
 
+SOFTEST, STIFFEST = 1e3, 1e9
+"""Pa, Young's moduli that are taken from the command line: beyond these it was stated in another unit."""
+
 
 def register(app: typer.Typer) -> None:
     """Add the command `replay` to the application."""
@@ -79,6 +82,12 @@ def replay(
     ):
         if given not in choices:
             raise UnknownName(option, given, choices)
+    if youngs_modulus is not None and not SOFTEST <= youngs_modulus <= STIFFEST:
+        raise UsageError(
+            f"--youngs-modulus is {youngs_modulus:g} Pa",
+            f"{SOFTEST:g} to {STIFFEST:g} Pa: a soft gel has 1e5 to 1e6",
+            "State it in pascals: 0.9 MPa is 0.9e6, 900 kPa is 900e3.",
+        )
     if not 0 < gap_limit < 1e6:
         raise UsageError(f"--gap-limit {gap_limit}", "a number of seconds above 0")
     # material and effects: stated values win over the files

@@ -8,7 +8,8 @@ which the *store* keeps.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any, Literal, Protocol
 
 import numpy as np
@@ -192,6 +193,11 @@ class Source:
     format: str
     files: tuple[str, ...]
     part: str = ""
+
+    def absolute(self) -> Source:
+        """Give the same recording by absolute paths, as a process that was started in another folder needs them."""
+        files = tuple(str(Path(name).absolute()) for name in self.files)
+        return replace(self, path=str(Path(self.path).absolute()), files=files)
 
 
 @dataclass(frozen=True)

@@ -102,6 +102,8 @@ def _words(fault: jsonschema.ValidationError) -> str:
     """What a fault says: the schema's own ``refusal`` of a value that it excludes, else the checker's sentence."""
     if fault.validator in ("not", "pattern") and isinstance(fault.schema, Mapping) and "refusal" in fault.schema:
         return f"{fault.instance!r} {fault.schema['refusal']}"
+    if fault.validator == "type" and fault.validator_value == "object":
+        return f"{fault.message}, which means keys with values (key: value)"
     return fault.message
 
 

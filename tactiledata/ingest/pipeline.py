@@ -104,6 +104,8 @@ def ingest(
     if chosen.mapping is not None:
         check_document(chosen.mapping, "mapping", "the mapping")
     sources, unclaimed = find_sources([Path(path) for path in paths], chosen.format_name)
+    if scheduler is not None:
+        sources = [source.absolute() for source in sources]  # workers of a cluster were started in other folders
     folder = Path(store)
     runner = make_scheduler(workers, scheduler)
     with _intake(folder):

@@ -20,6 +20,8 @@ EXCLUDED = "excluded"
 FRACTION_TOLERANCE = 1e-6
 """How far the fractions' sum may be from 1: typed decimals, not a missing tenth."""
 NAME_PATTERN = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
+BY_WORDS = ("trajectory", *UNIT_KINDS)
+"""What a split may go by."""
 FRAME_WORDS = {"frame", "frames", "image", "images", "row", "rows", "time"}
 
 
@@ -111,9 +113,14 @@ def read_by(value: Sequence[str] | str) -> tuple[str, ...]:
     ------
     UsageError
         By frames, or without trajectories: both leak.
+    UnknownName
+        By what no split goes by.
     """
     words = [word.strip() for word in (value.split(",") if isinstance(value, str) else list(value))]
     words = [word for word in dict.fromkeys(words) if word]
+    for word in words:
+        if word not in (*BY_WORDS, *FRAME_WORDS):
+            raise UnknownName("--by", word, BY_WORDS)
     leaky = [word for word in words if word in FRAME_WORDS]
     if leaky or "trajectory" not in words:
         asked = ",".join(words) or "nothing"
@@ -124,9 +131,6 @@ def read_by(value: Sequence[str] | str) -> tuple[str, ...]:
             "Use --by trajectory,sensor or --by trajectory,sensor,indenter.",
             by=words,
         )
-    for word in words:
-        if word not in ("trajectory", *UNIT_KINDS):
-            raise UnknownName("--by", word, ("trajectory", *UNIT_KINDS))
     return ("trajectory", *(kind for kind in UNIT_KINDS if kind in words))
 
 
@@ -222,7 +226,9 @@ def read_force(value: Sequence[float] | str | None) -> tuple[float, float] | Non
         low, high = (float(bound) for bound in (value.split("..") if isinstance(value, str) else value))
     except (TypeError, ValueError) as error:
         raise UsageError(
-            f"force is {value!r}", "two numbers in newtons, or none", "For example --force 1..13 or --force none."
+            f"force is {value!r}",
+            "two numbers in newtons with two points between them, or none",
+            "For example --force 1..13 or --force none.",
         ) from error
     if not (math.isfinite(low) and math.isfinite(high) and 0 <= low < high):
         raise UsageError(

@@ -200,6 +200,18 @@ def an_option_that_is_not_there(bench):
     return ["info", "--no-such-option"]
 
 
+@case(1, "has no manifest.json", "makes a store of recordings")
+def recordings_in_place_of_a_store(bench):
+    return ["split", bench.log]
+
+
+@case(2, "0.9 Pa", "0.9 MPa is 0.9e6")
+def a_modulus_in_another_unit(bench):
+    return [
+        "replay", bench.store, "--youngs-modulus", "0.9", "--poisson-ratio", "0.48", "--friction", "0.8",
+    ]  # fmt: skip
+
+
 @case(2, "needs no mapping")
 def mapping_for_a_log_that_needs_none(bench):
     return ["inspect", bench.log, "--suggest-mapping"]

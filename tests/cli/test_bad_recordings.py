@@ -27,13 +27,13 @@ def empty_file(bench):
     return bench.ingest(bench.mcap)
 
 
-@case(1, "not a recording")
+@case(1, "holds no recording and no file")
 def folder_without_recordings(bench):
     (bench.folder / "nothing").mkdir()
     return bench.ingest(bench.folder / "nothing")
 
 
-@case(1, "not a recording")
+@case(1, "not a recording", "docs/formats-folder.md")
 def a_text_file(bench):
     (bench.folder / "notes.txt").write_text("pressed it a few times")
     return bench.ingest(bench.folder / "notes.txt")

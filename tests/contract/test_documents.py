@@ -38,6 +38,12 @@ def test_a_fault_names_its_place(document, path):
     assert "press/log.yaml" in str(caught.value)
 
 
+def test_a_text_in_place_of_keys_is_explained():
+    """What a schema calls an object is said in words: whoever writes YAML by hand knows keys and values."""
+    with pytest.raises(SchemaError, match=r"'x' is not of type 'object', which means keys with values"):
+        check_document("x", "log", "log.yaml")
+
+
 def test_many_faults_are_counted_and_cut():
     """Five faults are shown, the others counted, and a huge value does not fill the message."""
     document = {**GOOD, "sensors": {f"S{number}": {"model": "digit", "shore_00": "x" * 10_000} for number in range(20)}}

@@ -96,13 +96,17 @@ def test_appending_equals_ingesting_at_once(tiny_mcaps, tiny_store, tmp_path):
 
 
 @pytest.mark.slow
-def test_workers_change_nothing(tiny_mcaps, tiny_store, tmp_path):
-    """Two processes write the manifest that one writes, byte for byte; a real Dask cluster does, too."""
+def test_workers_change_nothing(tiny_mcaps, tiny_store, tmp_path, monkeypatch):
+    """Two processes write the manifest that one writes, byte for byte; a real Dask cluster does, too.
+
+    Relative paths are those of the caller: the cluster's workers were started in another folder.
+    """
     ingest(tiny_mcaps, tmp_path / "two.zarr", workers=2)
     assert manifest(tmp_path / "two.zarr") == manifest(tiny_store)
     distributed = pytest.importorskip("distributed")
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster:
-        ingest(tiny_mcaps, tmp_path / "dask.zarr", scheduler=cluster.scheduler_address)
+        monkeypatch.chdir(tiny_mcaps[0].parent)
+        ingest([log.name for log in tiny_mcaps], tmp_path / "dask.zarr", scheduler=cluster.scheduler_address)
     assert manifest(tmp_path / "dask.zarr") == manifest(tiny_store)
 
 

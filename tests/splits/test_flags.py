@@ -169,8 +169,8 @@ def test_names_that_are_taken(place):
     for reason in ("", "  \n", "x" * 501):
         with pytest.raises(UsageError):
             flag_trajectories(place, [uid], reason)
-    with pytest.raises(UnknownName):
-        remove_flags(place, [uid])
+    with pytest.raises(UsageError, match=f"{full.rpartition('/')[2]} is not flagged; expected one that is; none of"):
+        remove_flags(place, [full.rpartition("/")[2]])
 
 
 def test_a_damaged_file_of_flags_is_refused(place):

@@ -87,6 +87,16 @@ def test_frames_beside_trajectories_leak_too(word):
         read_by(f"trajectory,{word}")
 
 
+def test_a_misspelt_word_is_no_leak():
+    """It is said to be unknown, with the nearest word; a known one without trajectories would tear them."""
+    with pytest.raises(UnknownName, match=r"unknown --by 'sensors'.*Did you mean sensor"):
+        read_by("sensors")
+    with pytest.raises(UsageError, match="by sensor would tear"):
+        read_by("sensor")
+    with pytest.raises(UsageError, match="with two points between them"):
+        SplitOptions.checked(force="1,13")
+
+
 def test_units_to_hold_out_as_a_mapping():
     """One name or several, each once and in order; kinds in their order; names that are none are refused."""
     assert read_hold_out({"indenter": "star", "sensor": ["B", "A", "B"]}) == {

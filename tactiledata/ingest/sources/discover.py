@@ -15,6 +15,7 @@ from tactiledata.formats.base import Format
 from tactiledata.formats.folder.files import DESCRIPTION, TABLES
 from tactiledata.formats.reading.links import leads_back_up
 from tactiledata.formats.reading.natural_order import natural_key
+from tactiledata.store.layout.places import store_around
 
 MAX_DEPTH = 4
 """Folders below a named one that are searched for recordings."""
@@ -39,7 +40,7 @@ def find_sources(paths: Sequence[Path], format_name: str | None = None) -> tuple
     MissingFile
         A path does not exist.
     UsageError
-        A path is a pipe or a device.
+        A path is a pipe or a device, or lies in a store.
     BrokenLog
         Nothing under a path is a recording.
     NotFetched
@@ -60,12 +61,7 @@ def find_sources(paths: Sequence[Path], format_name: str | None = None) -> tuple
         if not found:
             if pointers := [file for file in left if is_lfs_pointer(file)]:
                 raise not_fetched(str(pointers[0]), len(pointers) - 1)
-            raise BrokenLog(
-                f"{path} is not a recording in a known format, and contains none",
-                f"one of: {', '.join(FORMATS)}",
-                "`tactiledata formats` shows how each lies on disk; `tactiledata inspect PATH` says what is in a file.",
-                path=str(path),
-            )
+            raise _no_recording(path, left)
         sources.extend(found)
         unclaimed.extend(left)
     used = {name for source in sources for name in source.files}
@@ -86,6 +82,32 @@ def undescribed_logs(unclaimed: Sequence[Path]) -> list[Finding]:
         for folder, count in tables.items()
         if count > 1
     ]
+
+
+def _no_recording(path: Path, left: Sequence[Path]) -> TactileDataError:
+    """What to say of a path under which no recording is: it is a store, holds nothing, or what nobody can read."""
+    if store := store_around(path):
+        return UsageError(
+            f"{path} is {'' if store == path.resolve() else 'inside '}a store",
+            "recordings, from which stores are made",
+            "`tactiledata info` shows what a store holds, `tactiledata merge` joins stores.",
+            path=str(path),
+        )
+    if path.is_dir() and not left:
+        return BrokenLog(
+            f"the folder {path} holds no recording and no file",
+            "a recording, or a folder of recordings",
+            "Check the path; hidden files and stores (*.zarr) are passed over.",
+            path=str(path),
+        )
+    depth = "" if path.is_file() else f", nor do the {MAX_DEPTH} levels of folders below it contain one"
+    return BrokenLog(
+        f"{path} is not a recording in a known format{depth}",
+        f"one of: {', '.join(FORMATS)}",
+        "`tactiledata formats` shows how each lies on disk. Data in a form of your own (tables, HDF5, NumPy files) are "
+        "read once they are written as a folder log, which takes some lines of Python: docs/formats-folder.md.",
+        path=str(path),
+    )
 
 
 def _below(path: Path, format_name: str | None, depth: int) -> tuple[list[Source], list[Path]]:

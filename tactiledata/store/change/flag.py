@@ -9,7 +9,7 @@ from pathlib import Path
 from tactiledata.contract.provenance import provenance
 from tactiledata.contract.records import Finding
 from tactiledata.contract.wording import agreeing, counted
-from tactiledata.errors import UnknownName, UsageError
+from tactiledata.errors import UsageError
 from tactiledata.store.layout.flag_file import FlagEntries, write_flags
 from tactiledata.store.layout.lock import waiting_lock
 from tactiledata.store.layout.places import FLAGS_LOCK
@@ -111,9 +111,9 @@ def remove_flags(store_path: Path | str, names: Sequence[str]) -> list[str]:
     uids = store.trajectories(["uid"])["uid"].to_pylist()
     with _changing_flags(folder) as entries:
         chosen = [name if name in entries else uids[named_trajectories(store, [name])[0]] for name in names]
-        for uid in chosen:
+        for name, uid in zip(names, chosen, strict=True):
             if uid not in entries:
-                raise _no_own_flag(store, uid, entries)
+                raise _no_own_flag(store, name, uid, entries)
         return [_full_name(entries.pop(uid)) for uid in dict.fromkeys(chosen)]
 
 
@@ -121,12 +121,17 @@ def _full_name(entry: dict[str, str]) -> str:
     return f"{entry['recording']}/{entry['trajectory']}"
 
 
-def _no_own_flag(store: Store, uid: str, entries: FlagEntries) -> UsageError:
+def _no_own_flag(store: Store, named: str, uid: str, entries: FlagEntries) -> UsageError:
     """The error for a trajectory that carries no flag itself."""
     table = store.trajectories(["uid", "parent"])
     origin = flag_origins(table["uid"].to_pylist(), table["parent"].to_pylist(), entries).get(uid)
     if origin is None:
-        return UnknownName("flag of trajectory", uid, list(entries), "`tactiledata flag STORE --list` shows all flags.")
+        flagged = ", ".join(map(_full_name, entries.values()))
+        return UsageError(
+            f"the trajectory {named} is not flagged",
+            f"one that is: {flagged}" if flagged else "one that is; none of this store is",
+            "`tactiledata flag STORE --list` shows all flags.",
+        )
     return UsageError(
         f"the trajectory {uid} carries no flag itself: it was derived from {origin}, which does",
         "a trajectory that carries a flag",

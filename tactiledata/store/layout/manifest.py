@@ -18,6 +18,8 @@ from tactiledata.store.layout.places import FORMAT, FORMAT_NAME, FORMAT_VERSION,
 from tactiledata.store.layout.regular_files import need_regular
 
 Manifest = dict[str, Any]
+RECORDINGS = "`tactiledata ingest RECORDINGS --store NAME.zarr` makes a store of recordings."
+"""What to do with a path that is named as a store and holds recordings."""
 
 
 def empty_manifest(settings: Settings) -> Manifest:
@@ -183,13 +185,13 @@ def not_a_store(location: str, exists: bool) -> MissingFile | StoreError:
         return NotAStore(
             f"{location} is not a store: it is no folder",
             "a folder that `tactiledata ingest` wrote",
-            "Name the folder of the store (its name usually ends in .zarr).",
+            f"Name the folder of the store (its name usually ends in .zarr). {RECORDINGS}",
             path=location,
         )
     return StoreError(
         f"{location} is not a store: it has no {MANIFEST}",
         "a folder that `tactiledata ingest` wrote",
-        "Name the folder that holds manifest.json (its name usually ends in .zarr).",
+        f"Name the folder that holds manifest.json (its name usually ends in .zarr). {RECORDINGS}",
         path=location,
     )
 

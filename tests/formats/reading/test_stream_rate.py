@@ -55,3 +55,19 @@ def test_a_rate_is_that_of_evenly_spaced_stamps(count, step, first):
     rate = rate_of(count, first, last)
     assert has_times(count, first, last) == (step >= 1_000)
     assert rate is None if step < 1_000 else rate == pytest.approx(1e9 / step)
+
+
+def test_facts_of_a_recording_are_said_in_words(tmp_path, inspected):
+    """Lists have no brackets, what is empty is not said, and how long it lasts has its unit; --json keeps them all."""
+    (tmp_path / "empty.png").write_bytes(encoded(picture(0)))
+    printed = inspected(tmp_path)
+    assert "trajectories: 1" in printed
+    for absent in ("[]", "licence", "duration"):
+        assert absent not in printed
+    [source] = json.loads(inspected(tmp_path, "--json"))["sources"]
+    assert source["facts"]["sensors"] == []
+    with Tape(tmp_path / "run.mcap") as tape:
+        for index in (0, 1250):
+            tape.raw("/any", START + index * 1_000_000, b"{}", "X", "jsonschema", "json", b"{}")
+    assert "files: run.mcap\n" in (printed := inspected(tmp_path / "run.mcap"))
+    assert "duration: 1.2 s\n" in printed

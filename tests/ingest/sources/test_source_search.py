@@ -79,6 +79,20 @@ def test_four_folders_down_are_searched(tmp_path):
     assert MAX_DEPTH == 4
 
 
+def test_what_is_no_recording_is_told_apart(tmp_path):
+    """A store, a file in one, an empty folder, and a table of one's own are answered in words of their own."""
+    tree(tmp_path, "ds/manifest.json", "ds/zarr.json", "empty/.hidden", "own/forces.csv")
+    for path, said in (
+        ("ds", "ds is a store"),
+        ("ds/zarr.json", "is inside a store"),
+        ("empty", "holds no recording and no file"),
+        ("own", "4 levels of folders below it.*folder log"),
+        ("own/forces.csv", "forces.csv is not a recording in a known format; expected.*folder log"),
+    ):
+        with pytest.raises((BrokenLog, UsageError), match=said):
+            find_sources([tmp_path / path])
+
+
 def test_files_that_belong_to_a_recording_are_not_unclaimed(tmp_path):
     """A file beside it that it names as its own."""
     tree(tmp_path, "a.log", "a.side", "b.side")
