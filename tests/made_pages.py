@@ -36,7 +36,7 @@ def report_and_replay(store, out):
 
 def calibration(out):
     """The page of a calibration on a world in closed form, where E hits its bound."""
-    world = ClosedFormWorld(6)
+    world = ClosedFormWorld(5)
     measured = world.measured(np.array([1.05e6, 0.478, 0.78]))
     experiment = world.experiment(measured)
     options, bounds = CalibrationOptions(), find_bounds("paper")
@@ -46,7 +46,7 @@ def calibration(out):
     known = known_parameters(found.intervals, bounds, True)
     made = Calibration(
         options, bounds, SimpleNamespace(noise=NOISE), experiment, found, played, (0.001, 0.003), findings, "0" * 64,
-        known, SimulatedCount(6, 0, 0, "trajectory"),
+        known, SimulatedCount(5, 0, 0, "trajectory"),
     )  # fmt: skip
     return written(out / "calibration.html", calibration_page(made))
 

@@ -88,11 +88,11 @@ def differences(
     if untouched.shape != touch.shape or target.shape != transferred.shape:
         return []
     before, after = difference_picture(touch, untouched), difference_picture(transferred, target)
-    drawn = [("change by the touch x2", before), ("change, transferred x2", after)]
+    drawn = [("the touch alone, x2", before), ("the same, transferred", after)]
     if before.shape != after.shape:
         return drawn
     left = np.clip(128 + (after.astype(np.int16) - before), 0, 255).astype(np.uint8)
-    return [*drawn, ("where both differ", left)]
+    return [*drawn, ("where they differ", left)]
 
 
 def sheet(rows: Sequence[Sequence[tuple[str, PictureArray]]]) -> PictureArray:

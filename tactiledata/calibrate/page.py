@@ -39,9 +39,10 @@ def calibration_page(calibration: Calibration) -> str:
     It begins with a picture of measured and simulated forces, the result in three sentences, and what a reader should
     know of it. All else is folded below.
     """
+    more = _overlay_picture(calibration, ACROSS, MOST_OVERLAYS)
     folded = [
         _other_steps(calibration),
-        _overlays(calibration),
+        *([] if more is None else [Section("More trajectories", pictures=[more])]),
         _losses(calibration),
         _surfaces(calibration),
         _residuals(calibration),
@@ -49,7 +50,7 @@ def calibration_page(calibration: Calibration) -> str:
     sections = [_result(calibration), _remarks(calibration), *(replace(section, is_folded=True) for section in folded)]
     return render_page(
         "Calibration of the gel", _in_short(calibration), sections, f"store {calibration.store[:16]}",
-        calibration.simulated, _overlay_picture(calibration, ACROSS),
+        calibration.simulated, _overlay_picture(calibration, 0, ACROSS),
     )  # fmt: skip
 
 
@@ -157,16 +158,16 @@ def _remarks(calibration: Calibration) -> Section:
     return Section("What to know", sentences or [("", "Nothing stands out.")])
 
 
-def _overlays(calibration: Calibration) -> Section:
-    """Section with measured and simulated forces over time."""
-    return Section("Measured and simulated", pictures=[_overlay_picture(calibration, MOST_OVERLAYS)])
+def _overlay_picture(calibration: Calibration, first: int, stop: int) -> Picture | None:
+    """Picture of measured and simulated forces of some trajectories, by their places in an order; none without any.
 
-
-def _overlay_picture(calibration: Calibration, most: int) -> Picture:
-    """Picture of measured and simulated forces of at most ``most`` trajectories; held-out ones come first."""
+    Held-out trajectories come first.
+    """
     experiment, fit = calibration.experiment, calibration.fit
     held_out = set(fit.held_out.tolist())
-    order = sorted(range(len(experiment.touches)), key=lambda place: (place not in held_out, place))[:most]
+    order = sorted(range(len(experiment.touches)), key=lambda place: (place not in held_out, place))[first:stop]
+    if not order:
+        return None
     overlays = []
     for place in order:
         touch, start = experiment.touches[place], experiment.response.starts[place]

@@ -123,10 +123,10 @@ def _pictures(explanation: Explanation) -> list[Section]:
     located = explanation.located
     # dependences on covariates
     sections = []
-    panels = _dependence_panels(explanation, MOST_PANELS)
+    panels = _dependence_panels(explanation, MOST_FIRST, MOST_PANELS)
     if panels:
         picture = panels_of(draw_dependences(panels), DEPENDENCE_CAPTION)
-        sections.append(Section("Dependences", pictures=[picture]))
+        sections.append(Section("More dependences", pictures=[picture]))
     # mean residuals about events
     components, scale = located.projection.residuals.components, located.projection.residuals.scale
     pictures = [event_picture(event, components, scale=scale) for event in located.events[:MOST_PANELS]]
@@ -148,22 +148,22 @@ def _pictures(explanation: Explanation) -> list[Section]:
 
 def _first_picture(explanation: Explanation) -> Picture | None:
     """Return the picture at the top: the strongest dependences, else the errors; nothing where there is neither."""
-    panels = _dependence_panels(explanation, MOST_FIRST)
+    panels = _dependence_panels(explanation, 0, MOST_FIRST)
     if panels:
         return panels_of(draw_dependences(panels), DEPENDENCE_CAPTION)
     bars = _bars(explanation)
     return bars[0] if bars else None
 
 
-def _dependence_panels(explanation: Explanation, most: int) -> list[Dependence]:
-    """Return at most ``most`` panels of drifts over covariates, the strongest first, without and with the formula.
+def _dependence_panels(explanation: Explanation, first: int, stop: int) -> list[Dependence]:
+    """Return panels of some drifts over covariates, without and with the formula: from one place to another.
 
-    Labels cannot be drawn as an axis.
+    The strongest drift is at place 0. Labels cannot be drawn as an axis.
     """
     located, form = explanation.located, explanation.form
     after = None
     if form is not None and form.terms:
         after = project(located.projection.residuals.with_fields(form.fields))
     covariates = located.projection.residuals.covariates
-    drawn = [drift for drift in located.drifts if drift.covariate in covariates][:most]
+    drawn = [drift for drift in located.drifts if drift.covariate in covariates][first:stop]
     return [dependence_panel(located.projection, after, drift) for drift in drawn]
