@@ -71,9 +71,9 @@ def _settings_sentences(mesh: StoredMesh) -> list[tuple[str, str]]:
     sentences = [
         (
             "",
-            f"{sizes['vertices']} vertices, of which {sizes['kept']} are kept; "
-            f"E {material['youngs_modulus'] / 1e3:.4g} kPa, nu {material['poisson_ratio']:.4g}, "
-            f"mu {material['friction']:.4g}; {mesh.settings['fidelity']}.",
+            f"{sizes['vertices']} vertices, of which {sizes['kept']} are kept. The replay was given "
+            f"E {material['youngs_modulus'] / 1e3:.4g} kPa (stiffness), nu {material['poisson_ratio']:.4g} (Poisson's "
+            f"ratio) and mu {material['friction']:.4g} (friction); {mesh.settings['fidelity']}.",
         )
     ]
     if effects := effects_in_words(mesh.settings):
