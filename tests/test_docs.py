@@ -1,5 +1,6 @@
 """Every code block of README and docs runs, or says beside it why it does not."""
 
+import itertools
 import os
 import re
 import subprocess
@@ -117,3 +118,20 @@ def test_every_block_is_run_or_says_why_not():
     for page in PAGES:
         for block in blocks(page):
             assert block["language"] in quiet, f"{page.name}: a block in {block['language']!r}:\n{block['code'][:200]}"
+
+
+def test_every_list_is_one_on_the_site():
+    """A list follows a blank line, a heading or a list: right after a line of text the site takes it for that text."""
+    item, other = re.compile(r"(- |\* |\d+\. )"), re.compile(r"\s*([-*] |\d+\. )|\s{2,}|#|```|\||<|!\[|>|$")
+    torn = []
+    for page in [*PAGES, *sorted((ROOT / "docs" / "decisions").glob("*.md"))]:
+        lines = BLOCK.sub("```", page.read_text(encoding="utf-8")).splitlines()
+        torn += [
+            f"{page.name}: {line}"
+            for before, line in itertools.pairwise(lines)
+            if item.match(line) and not other.match(before)
+        ]
+    assert torn == []
+    # a control: this is what the law is about
+    assert item.match("- one")
+    assert not other.match("It holds:")

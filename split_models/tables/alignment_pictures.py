@@ -15,6 +15,7 @@ from split_models.tables.unit_frames import UnitFrames, paired_frames, spread_ev
 from split_models.transfer.transfer_picture import sheet
 from tactiledata.contract.atomic import write_atomic
 from tactiledata.metrics.embedding import EMBEDDING
+from tactiledata.report.plots import difference_picture
 from tactiledata.scoring.embedding_picture import draw_embedding, embed_vectors
 from tactiledata.store.layout.places import folder_name
 
@@ -110,7 +111,11 @@ def write_strips(table: Alignment) -> None:
 
 
 def _strip(table: Alignment, source: str, target: str) -> NDArray[np.uint8]:
-    """Picture of a strip: each row a recorded touch, its transfers and, where paired, the target's own picture."""
+    """Picture of a strip: each row a recorded touch and its transfers.
+
+    Where touches are paired, the target's own picture follows, and where each transfer differs from it, doubled about
+    grey.
+    """
     source_unit, target_unit = table.units[source], table.units[target]
     ours, theirs = paired_frames(source_unit, target_unit, len(source_unit))
     if not len(ours):
@@ -126,7 +131,14 @@ def _strip(table: Alignment, source: str, target: str) -> NDArray[np.uint8]:
             (f"{source}", touch),
             *((name.replace("_", " "), transferred[row]) for name, transferred in moved.items()),
         ]
-        lines.append(cells if truth is None else [*cells, (f"{target}, {recorded}", truth[row])])
+        if truth is not None:
+            left = [
+                (f"{name.replace('_', ' ')}, where it differs x2", difference_picture(transferred[row], truth[row]))
+                for name, transferred in moved.items()
+                if transferred[row].shape == truth[row].shape
+            ]
+            cells += [(f"{target}, {recorded}", truth[row]), *left]
+        lines.append(cells)
     return sheet(lines)
 
 

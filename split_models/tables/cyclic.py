@@ -25,6 +25,7 @@ from tactiledata.contract.atomic import write_json_atomic
 from tactiledata.errors import UnknownName
 from tactiledata.metrics.image_similarity import IMAGE_SIMILARITY, ssim
 from tactiledata.metrics.mesh_distance import MESH_DISTANCE, rmse
+from tactiledata.report.plots import difference_picture
 
 Values = dict[str, NDArray[np.float64]]
 Ways = tuple[LatentMeshToImage, LatentImageToMesh]
@@ -220,7 +221,10 @@ def shown_on_strip(frames: TouchFrames, numbers: NDArray[np.int64]) -> NDArray[n
 
 
 def write_strip(path: Path, ways: Ways, frames: TouchFrames, numbers: NDArray[np.int64], drawn: MeshPictures) -> None:
-    """Write a PNG with two rows for each frame: meshes, and pictures, at the start and after the first cycles.
+    """Write a PNG with three rows for each frame: meshes, pictures, and where these differ from the given picture.
+
+    The first column shows what was given, the others what is there after each cycle. Differences are doubled about
+    grey, which is none.
 
     Parameters
     ----------
@@ -239,8 +243,10 @@ def write_strip(path: Path, ways: Ways, frames: TouchFrames, numbers: NDArray[np
         shown, moved = frames.pictures([int(number)]), frames.displacements([int(number)])
         steps = list(cycles(*ways, shown, frames.background(frames.sensors[number]), STRIP))
         rows.append([drawn.draw(mesh) for mesh in (moved[0], *(step.displacements[0] for step in steps))])
-        rows.append([shown[0], *(step.pictures[0] for step in steps)])
-        labels += [f"{frames.indenters[number]} on {frames.sensors[number]}\nmesh", "picture"]
+        pictures = [shown[0], *(step.pictures[0] for step in steps)]
+        rows += [pictures, [difference_picture(picture, shown[0]) for picture in pictures]]
+        touch = f"{frames.indenters[number]} on {frames.sensors[number]}"
+        labels += [f"{touch}\nmesh", "picture", "less the given picture, x2"]
     write_grid(path, rows, ["given", *(f"cycle {number + 1}" for number in range(STRIP))], labels)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from split_models.transfer.transfer_take import PARENT
 from tactiledata.arrays import PictureArray
 from tactiledata.contract.atomic import write_atomic
+from tactiledata.report.plots import difference_picture
 from tactiledata.store.read.reader import Store
 from tactiledata.store.read.simulated import simulated_recordings
 from tactiledata.store.read.targets import Target
@@ -27,7 +28,9 @@ FONT = cv2.FONT_HERSHEY_SIMPLEX
 
 
 def write_transfer_picture(source: Store, made: Store, target: Target, method: str, path: Path) -> Path:
-    """Write a PNG with a row for each of a few touches: source background, touch, transferred touch, target background.
+    """Write a PNG with a row for each of a few touches: pictures before and after the transfer, and what differs.
+
+    A row shows the source untouched, its touch, the transferred touch and the target untouched, and then `differences`.
 
     Each row is the frame with the largest force of a trajectory; the trajectories are spread over the store. The title
     says which sensor's style was given by which method, and where recordings are simulated.
@@ -49,19 +52,47 @@ def write_transfer_picture(source: Store, made: Store, target: Target, method: s
     for row in _touches(made):
         parent = int(parents[row])
         sensor = str(sensors[parent].as_py())
+        untouched, touch = source.reference(sensor).image, np.asarray(source.images([parent])[0])
+        transferred = np.asarray(made.images([row])[0])
         rows.append(
-            (
-                (f"{sensor}, untouched", source.reference(sensor).image),
-                ("its touch", np.asarray(source.images([parent])[0])),
-                ("the touch, transferred", np.asarray(made.images([row])[0])),
+            [
+                (f"{sensor}, untouched", untouched),
+                ("its touch", touch),
+                ("transferred", transferred),
                 (f"{target.name}, untouched", target.background),
-            )
+                *differences(untouched, touch, transferred, target.background),
+            ]
         )
     title = simulated_recordings(source).titled(f"Touches in the style of {target.name}, by {method.replace('_', '-')}")
     encoded = cv2.imencode(".png", titled(sheet(rows), title)[..., ::-1])[1].tobytes()
     path.parent.mkdir(parents=True, exist_ok=True)
     write_atomic(path, encoded)
     return path
+
+
+def differences(
+    untouched: PictureArray, touch: PictureArray, transferred: PictureArray, target: PictureArray
+) -> list[tuple[str, PictureArray]]:
+    """Captioned pictures of what a touch changes before and after a transfer, and of where these changes differ.
+
+    All are doubled about grey, which is no difference. The last one is grey where the transfer keeps the touch; it is
+    left out where the pictures of both sensors differ in size.
+
+    Parameters
+    ----------
+    untouched, touch : (H, W, 3) uint8
+        Source without and with contact.
+    transferred, target : (h, w, 3) uint8
+        Transferred touch, and target without contact.
+    """
+    if untouched.shape != touch.shape or target.shape != transferred.shape:
+        return []
+    before, after = difference_picture(touch, untouched), difference_picture(transferred, target)
+    drawn = [("the touch alone, x2", before), ("the same, transferred", after)]
+    if before.shape != after.shape:
+        return drawn
+    left = np.clip(128 + (after.astype(np.int16) - before), 0, 255).astype(np.uint8)
+    return [*drawn, ("where they differ", left)]
 
 
 def sheet(rows: Sequence[Sequence[tuple[str, PictureArray]]]) -> PictureArray:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from tactiledata.calibrate.bounds import NAMES, SYMBOLS
@@ -11,32 +13,86 @@ from tactiledata.calibrate.losses import Loss
 from tactiledata.calibrate.remarks import in_words
 from tactiledata.calibrate.surface import loss_surface
 from tactiledata.contract.wording import counted
-from tactiledata.report.calibration_plots import LossSurface, Overlay, draw_overlays, draw_residuals, draw_surfaces
+from tactiledata.report.calibration_plots import (
+    ACROSS,
+    LossSurface,
+    Overlay,
+    draw_overlays,
+    draw_residuals,
+    draw_surfaces,
+)
 from tactiledata.report.page import Picture, Section, render_page
-from tactiledata.report.plots import png_bytes
+from tactiledata.report.panels import panels_of
 
 MOST_OVERLAYS = 12
 """Most trajectories whose measured and simulated forces are drawn."""
+KINDS = {"damage": "Damage", "warning": "Warning", "info": "Note"}
+"""Word before a finding of each severity."""
+LOSS_UNITS = {"vector": "times the noise", "norm": "N"}
+"""Unit of each loss."""
 LABELS = {"youngs_modulus": "E, kPa", "poisson_ratio": "nu", "friction": "mu"}
 
 
 def calibration_page(calibration: Calibration) -> str:
-    """Return the page of a calibration as HTML."""
-    options, experiment = calibration.options, calibration.experiment
-    fit = calibration.fit
-    sentences = [
-        f"{counted(len(fit.fitted), 'trajectory')} fitted, {len(fit.held_out)} held out, "
-        f"{counted(len(experiment.measured), 'frame')}; loss {options.loss}, "
-        f"engine {options.engine}, fidelity {options.fidelity}"
-        + (" (a preview: its forces are 10 to 20 % low at 1 mm)" if options.fidelity == "linear" else "")
-        + (" (for comparison: its forces are too high)" if options.engine == "mujoco-flex" else "")
-        + ".",
+    """Return the page of a calibration as HTML.
+
+    It begins with a picture of measured and simulated forces, the result in three sentences, and what a reader should
+    know of it. All else is folded below.
+    """
+    more = _overlay_picture(calibration, ACROSS, MOST_OVERLAYS)
+    folded = [
+        _other_steps(calibration),
+        *([] if more is None else [Section("More trajectories", pictures=[more])]),
+        _losses(calibration),
+        _surfaces(calibration),
+        _residuals(calibration),
     ]
-    sections = [_result(calibration), _losses(calibration), _remarks(calibration)]
-    sections += [_overlays(calibration), _surfaces(calibration), _residuals(calibration)]
+    sections = [_result(calibration), _remarks(calibration), *(replace(section, is_folded=True) for section in folded)]
     return render_page(
-        "Calibration of the gel", sentences, sections, f"store {calibration.store[:16]}", calibration.simulated
-    )
+        "Calibration of the gel", _in_short(calibration), sections, f"store {calibration.store[:16]}",
+        calibration.simulated, _overlay_picture(calibration, 0, ACROSS),
+    )  # fmt: skip
+
+
+def _in_short(calibration: Calibration) -> list[tuple[str, str]]:
+    """Return the result as paragraphs: values, what they are, how well the forces agree, and what was fitted."""
+    options, fit = calibration.options, calibration.fit
+    values = [f"{symbol} is {value} ({interval})" for symbol, value, interval, *_ in result_rows(calibration)]
+    norms = fit.losses["norm"]
+    which, start, end = "fitted", norms.start, norms.fitted
+    if np.isfinite(norms.held_out):
+        which, start, end = "held-out", norms.held_out_start, norms.held_out
+    preview = " It is a preview: its forces are 10 to 20 % low at 1 mm." if options.fidelity == "linear" else ""
+    high = " It serves for comparison: its forces are too high." if options.engine == "mujoco-flex" else ""
+    return [
+        ("", f"{', '.join(values[:2])} and {values[2]}. In brackets are 95 % intervals."),
+        ("info", "E is the stiffness of the gel (Young's modulus), nu its Poisson's ratio and mu its friction."),
+        ("", f"On {which} trajectories simulated and measured forces differ by {end:.3f} N, and by {start:.3f} N before"
+             " the fit (mean difference of the norms)."),
+        ("", f"{counted(len(fit.fitted), 'trajectory')} fitted, {len(fit.held_out)} held out, "
+             f"{counted(len(calibration.experiment.measured), 'frame')}; loss {options.loss}, engine {options.engine}, "
+             f"fidelity {options.fidelity}.{preview}{high}"),
+    ]  # fmt: skip
+
+
+def _other_steps(calibration: Calibration) -> Section:
+    """Section on how these values relate to those of other steps."""
+    fit, bounds = calibration.fit, calibration.bounds
+    start = in_words(NAMES[0], float(fit.start[0]))
+    (_, low, high), *_ = bounds
+    return Section(
+        "Why other steps state another E",
+        [
+            ("", f"The fit begins at E {start}: Gent's formula for Shore A {calibration.options.shore_a:g}."),
+            ("", f"A calibration looks for E from {in_words(NAMES[0], low)} to {in_words(NAMES[0], high)} only "
+                 f"(bounds '{bounds.name}'). Where the simulation lacks physics, E, nu and mu make up for it as far as "
+                 "they can. Then they are no properties of the gel."),
+            ("", "A diagnosis (tactiledata diagnose) leaves E free and fits more trajectories, so that its plain E may "
+                 "lie outside these bounds. With a named effect E changes again: the effect explains what E had made "
+                 "up for. Take that value for the gel."),
+            ("", "A replay takes the values that it is given, and its mesh states them."),
+        ],
+    )  # fmt: skip
 
 
 def result_rows(calibration: Calibration) -> list[tuple[str, ...]]:
@@ -58,9 +114,11 @@ def result_rows(calibration: Calibration) -> list[tuple[str, ...]]:
 
 def loss_rows(calibration: Calibration) -> list[tuple[str, ...]]:
     """One row of texts per loss: name and unit, at the start, at the optimum, held out at both."""
-    units = {"vector": "times the noise", "norm": "N"}
     return [
-        (f"{name} ({units[name]})", *(f"{value:.3f}" if np.isfinite(value) else "-" for value in vars(values).values()))
+        (
+            f"{name}, {LOSS_UNITS[name]}",
+            *(f"{value:.3f}" if np.isfinite(value) else "-" for value in vars(values).values()),
+        )
         for name, values in calibration.fit.losses.items()
     ]
 
@@ -69,19 +127,20 @@ def _result(calibration: Calibration) -> Section:
     """Section with the parameters' table and the sentences on interpolation and simulation errors."""
     rms, largest = calibration.interpolation_error
     text = (
-        f"Forces interpolated in the grid of responses differ by {rms:.3f} N rms, {largest:.3f} N at most, from those "
-        "played at the optimum."
+        "The fit interpolates between simulations. Interpolated forces differ from a simulation with the fitted values "
+        f"by {rms:.3f} N (root mean square), and by {largest:.3f} N at most."
     )
     if calibration.fit.shape_factors:
         parts = [f"{name} {factor:.3f}" for name, factor in calibration.fit.shape_factors.items()]
-        text += " Measured over simulated force, by indenter: " + ", ".join(parts) + "."
+        text += " Ratio of measured to simulated force, by indenter: " + ", ".join(parts) + "."
     errors = calibration.fit.simulation_error
-    text += (
-        f" With simulation error: two simulations of one gel differ by {100 * errors.force:.0f} % in all forces alike "
-        f"and by {100 * errors.law:.0f} % in how forces grow over a factor e."
+    more = (
+        "The interval with simulation error allows for what two simulators of one gel differ by: "
+        f"{100 * errors.force:.0f} % in all forces alike, and {100 * errors.law:.0f} % more where forces grow by a "
+        "factor of 2.7."
     )
     columns = ("", "value", "95 % interval", "with simulation error", "start", "verdict")
-    return Section("Result", [("info", text)], columns, result_rows(calibration))
+    return Section("Result", [("info", more), ("info", text)], columns, result_rows(calibration))
 
 
 def _losses(calibration: Calibration) -> Section:
@@ -92,15 +151,23 @@ def _losses(calibration: Calibration) -> Section:
 
 def _remarks(calibration: Calibration) -> Section:
     """Section with the findings, or a sentence that there are none."""
-    sentences = [(finding.severity, f"{finding.message} [{finding.code}]") for finding in calibration.findings]
+    sentences = [
+        (finding.severity, f"{KINDS[finding.severity]}: {finding.message} [{finding.code}]")
+        for finding in calibration.findings
+    ]
     return Section("What to know", sentences or [("", "Nothing stands out.")])
 
 
-def _overlays(calibration: Calibration) -> Section:
-    """Section with measured and simulated forces over time; held-out trajectories come first."""
+def _overlay_picture(calibration: Calibration, first: int, stop: int) -> Picture | None:
+    """Picture of measured and simulated forces of some trajectories, by their places in an order; none without any.
+
+    Held-out trajectories come first.
+    """
     experiment, fit = calibration.experiment, calibration.fit
     held_out = set(fit.held_out.tolist())
-    order = sorted(range(len(experiment.touches)), key=lambda place: (place not in held_out, place))[:MOST_OVERLAYS]
+    order = sorted(range(len(experiment.touches)), key=lambda place: (place not in held_out, place))[first:stop]
+    if not order:
+        return None
     overlays = []
     for place in order:
         touch, start = experiment.touches[place], experiment.response.starts[place]
@@ -113,9 +180,11 @@ def _overlays(calibration: Calibration) -> Section:
                 calibration.played[rows, :3],
             )
         )
-    png = png_bytes(draw_overlays(overlays), heading=calibration.simulated.heading)
-    picture = Picture(png, "Dots: measured. Lines: simulated at the optimum.")
-    return Section("Measured and simulated", pictures=[picture])
+    caption = (
+        "Contact force over time, gel frame. Dots are measured, lines are simulated with the fitted E, nu and mu. "
+        "Held-out trajectories had no part in the fit."
+    )
+    return panels_of(draw_overlays(overlays), caption)
 
 
 def _surfaces(calibration: Calibration) -> Section:
@@ -135,14 +204,19 @@ def _surfaces(calibration: Calibration) -> Section:
         best = (float(fit.parameters[0]) / 1e3, float(fit.parameters[up]))
         names = (LABELS[NAMES[0]], LABELS[NAMES[up]])
         title = f"{options.loss} loss, {SYMBOLS[NAMES[3 - up]]} at its optimum"
-        surfaces.append(LossSurface(title, *names, x / 1e3, y, values, best, float("nan")))
-    picture = Picture(png_bytes(draw_surfaces(surfaces)), "The loss inside the bounds; the cross is the optimum.")
+        unit = f"loss, {LOSS_UNITS[options.loss]}"
+        surfaces.append(LossSurface(title, *names, unit, x / 1e3, y, values, best, float("nan")))
+    caption = "The loss inside the bounds of the search. The smaller the loss, the better the forces agree."
+    picture = panels_of(draw_surfaces(surfaces), caption)
     return Section("The loss around its optimum", pictures=[picture])
 
 
 def _residuals(calibration: Calibration) -> Section:
     """Section with the residual forces of all frames."""
     measured = calibration.experiment.measured
-    figure = draw_residuals(measured[:, 2], (measured - calibration.played)[:, :3], ("fx", "fy", "fz"))
-    png = png_bytes(figure, heading=calibration.simulated.heading)
-    return Section("What is left", pictures=[Picture(png, "Residual forces of all frames.")])
+    figure = draw_residuals(measured[:, 2], (measured - calibration.played)[:, :3], ("Fx", "Fy", "Fz"))
+    caption = (
+        "Measured less simulated force of each frame, over the measured normal force (left), and in how many frames it"
+        " occurs (right)."
+    )
+    return Section("What is left", pictures=[panels_of(figure, caption)])

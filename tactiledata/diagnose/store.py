@@ -9,6 +9,7 @@ from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.calibrate.plays.learned_plays import example_touches
 from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.diagnose.answer.diagnosis import StoreDiagnosis
+from tactiledata.diagnose.answer.other_steps import materials_of_meshes
 from tactiledata.diagnose.answer.sentences import Answer, preview_words
 from tactiledata.diagnose.formula.explain import explain
 from tactiledata.diagnose.naming.full_plays import named_with_full_plays
@@ -128,6 +129,7 @@ def diagnose_store(
         simulated,
         full_plays,
         tuple(filter(None, shown_by_readings)),
+        materials_of_meshes(store),
     )
 
 

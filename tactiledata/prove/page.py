@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from tactiledata.contract.atomic import write_atomic
@@ -43,26 +44,38 @@ def proof_page(seal: Mapping[str, Any], score: Mapping[str, Any], proof: Mapping
     if seal["left_out"]:
         listed = ", ".join(f"{count} {kind}" for kind, count in seal["left_out"].items())
         sentences.append(f"Left out, since no draw was of the kind: {listed}.")
-    sections = [
-        Section("Targets", columns=["what", "target", "found", "95 % interval", "over configurations", ""],
-                rows=[_target_row(one) for one in score["targets"]]),
-        Section("Outcomes", columns=_columns("configuration: kind", score["by_configuration"]),
+    targets = [
+        ("info", "A case is a simulated world. Some worlds hide effects that the simulation lacks, and nulls hide "
+                 "nothing. An effect is concealed where a calibration makes up for it. The set holds the named effect "
+                 "and those that the recordings cannot tell from it."),
+        ("info", "The 95 % interval treats all cases alike. That over configurations draws whole configurations anew."),
+    ]  # fmt: skip
+    misses = [("", sentence) for sentence in score["misses"]] or [("", "None.")]
+    details = [
+        Section("Outcomes by configuration", [("info", "How many cases of each kind had which outcome.")],
+                columns=_columns("configuration: kind", score["by_configuration"]),
                 rows=_rows(score["by_configuration"])),
         Section("Outcomes by what is hidden", columns=_columns("hidden", score["by_effect"]),
                 rows=_rows(score["by_effect"])),
         Section("Single effects, seen and concealed", columns=_columns("effect", score["by_concealment"]),
                 rows=_rows(score["by_concealment"])),
-        Section("Who was taken for whom", [("", "Rows: hidden. Columns: said.")],
+        Section("Which effect was named instead of which",
+                [("info", "A row is what a case hides, a column what the diagnosis named.")],
                 columns=_columns("hidden", score["confusion"]), rows=_rows(score["confusion"])),
-        Section("Strength and accuracy", [("", "The signal is what a refit leaves of an effect, in units of noise.")],
+        Section("Strength and accuracy", [("info", "The signal is what a refit leaves of an effect, over the noise.")],
                 columns=["signal", "named", "named or in the set", "detected"],
                 rows=[_strength_row(one) for one in score["strength"]]),
         Section("Probabilities", [("", _calibration_words(score))],
                 columns=["probability", "answers", "mean probability", "share that is right"],
                 rows=[_chance_row(one) for one in score["probabilities"]["rows"]]),
         Section("E, nu and mu", [("", _material_words(score["material"]))]),
-        Section("Every miss", [("", sentence) for sentence in score["misses"]] or [("", "None.")]),
         Section("What was asked", code=[json.dumps(proof["request"], indent=1)]),
+    ]  # fmt: skip
+    sections = [
+        Section("Targets", targets, ["what", "target", "found", "95 % interval", "over configurations", "verdict"],
+                [_target_row(one) for one in score["targets"]]),
+        Section("Every miss", misses),
+        *(replace(section, is_folded=True) for section in details),
     ]  # fmt: skip
     simulated = SimulatedCount(simulated=len(seal["cases"]))
     return render_page("A proof of the diagnosis", sentences, sections, "tactiledata prove", simulated)
@@ -111,7 +124,12 @@ def _chance_row(one: Mapping[str, Any]) -> list[object]:
 def _calibration_words(score: Mapping[str, Any]) -> str:
     """Return the error of probabilities in words."""
     error = score["probabilities"]["ece"]
-    return "No answer has probabilities." if error is None else f"Expected calibration error: {error:.3f}."
+    if error is None:
+        return "No answer has probabilities."
+    return (
+        f"Expected calibration error: {error:.3f}. It is the mean difference between stated probabilities and shares"
+        " that are right; 0 is best."
+    )
 
 
 def _material_words(found: Mapping[str, Any] | None) -> str:
@@ -120,6 +138,6 @@ def _material_words(found: Mapping[str, Any] | None) -> str:
         return "No single effect was named rightly."
     before, after = (", ".join(f"{value:.1f}" for value in found[when]) for when in ("before", "after"))
     return (
-        f"Median errors of E, nu and mu over {counted(found['count'], 'effect')} named rightly: {before} % by the plain"
-        f" fit, {after} % with the effect."
+        "E is the stiffness of the gel, nu its Poisson's ratio, mu its friction. Their median errors over "
+        f"{counted(found['count'], 'effect')} named rightly: {before} % by the plain fit, {after} % with the effect."
     )

@@ -11,8 +11,8 @@ from tactiledata import __version__
 from tactiledata.contract.atomic import write_atomic
 from tactiledata.contract.wording import counted
 from tactiledata.replay.effect_words import effects_in_words
-from tactiledata.report.page import Picture, Section, render_page
-from tactiledata.report.plots import png_bytes
+from tactiledata.report.page import Section, render_page
+from tactiledata.report.panels import panels_of
 from tactiledata.report.replay_plots import ReplayedTouch, draw_replayed
 from tactiledata.store.read.meshes import HAS_MESH, StoredMesh
 from tactiledata.store.read.reader import Store
@@ -59,8 +59,7 @@ def mesh_section(store: Store, name: str) -> Section:
         "coloured by how far it moved (height doubled). Right: measured (dots) and simulated (lines) contact force; "
         "dotted: the moment that is shown."
     )
-    heading = simulated_recordings(store).heading
-    pictures = [Picture(png_bytes(draw_replayed(touches), heading=heading), caption)] if touches else []
+    pictures = [panels_of(draw_replayed(touches), caption)] if touches else []
     counts = sorted((int(code), count) for code, count in mesh.facts["counts"].items())
     rows = [(mesh.statuses[code], count) for code, count in counts]
     return Section(f"Mesh {name}", sentences, ("frames", "how many"), rows, pictures)
@@ -72,9 +71,9 @@ def _settings_sentences(mesh: StoredMesh) -> list[tuple[str, str]]:
     sentences = [
         (
             "",
-            f"{sizes['vertices']} vertices, of which {sizes['kept']} are kept; "
-            f"E {material['youngs_modulus'] / 1e3:.4g} kPa, nu {material['poisson_ratio']:.4g}, "
-            f"mu {material['friction']:.4g}; {mesh.settings['fidelity']}.",
+            f"{sizes['vertices']} vertices, of which {sizes['kept']} are kept. The replay was given "
+            f"E {material['youngs_modulus'] / 1e3:.4g} kPa (stiffness), nu {material['poisson_ratio']:.4g} (Poisson's "
+            f"ratio) and mu {material['friction']:.4g} (friction); {mesh.settings['fidelity']}.",
         )
     ]
     if effects := effects_in_words(mesh.settings):

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tactiledata.arrays import Array
-from tactiledata.report.plots import AXIS_COLOURS
+from tactiledata.report.marks import AXIS_COLOURS, DIFFERENCE, MEASURED, SIMULATED
+from tactiledata.report.plots import WIDTH
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -44,8 +45,8 @@ class LossSurface:
 
     Parameters
     ----------
-    title, across, up : str
-        Title, and names of the axes with units.
+    title, across, up, unit : str
+        Title, names of the axes with units, and name of the loss with its unit.
     x, y : (p,), (q,)
         Values of the parameters.
     loss : (q, p)
@@ -59,6 +60,7 @@ class LossSurface:
     title: str
     across: str
     up: str
+    unit: str
     x: Array
     y: Array
     loss: Array
@@ -71,22 +73,24 @@ def draw_overlays(overlays: Sequence[Overlay]) -> Figure:
     from matplotlib.figure import Figure
 
     rows = max(1, -(-len(overlays) // ACROSS))
-    figure = Figure(figsize=(12, 2.4 * rows + 0.4), layout="constrained")
+    figure = Figure(figsize=(WIDTH, 2.2 * rows), layout="constrained")
     axes = figure.subplots(rows, ACROSS, squeeze=False)
     for place, axis in enumerate(axes.flat):
         if place >= len(overlays):
             axis.set_axis_off()
             continue
         overlay = overlays[place]
-        for column, (name, colour) in enumerate(AXIS_COLOURS.items()):
-            axis.plot(overlay.seconds, overlay.measured[:, column], "o", color=colour, markersize=3)
-            axis.plot(overlay.seconds, overlay.simulated[:, column], color=colour, linewidth=1, label=name)
+        for what, forces, style in (
+            ("measured", overlay.measured, {**MEASURED, "markersize": 3}),
+            ("simulated", overlay.simulated, {**SIMULATED, "linewidth": 1}),
+        ):
+            for name, values in zip(AXIS_COLOURS, forces.T, strict=True):
+                label = f"{name.capitalize()} {what}"
+                axis.plot(overlay.seconds, values, **style, color=AXIS_COLOURS[name], label=label)
         axis.set_title(overlay.title, fontsize=8)
         axis.tick_params(labelsize=7)
-        if place % ACROSS == 0:
-            axis.set_ylabel("N (gel frame)", fontsize=8)
-        if place == 0:
-            axis.legend(fontsize=7, frameon=False)
+        axis.set_ylabel("force, N", fontsize=8)
+        axis.set_xlabel("time, s", fontsize=8)
     return figure
 
 
@@ -94,14 +98,18 @@ def draw_surfaces(surfaces: Sequence[LossSurface]) -> Figure:
     """Draw maps of the loss side by side, with the optimum marked."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(5.4 * len(surfaces), 4), layout="constrained")
+    figure = Figure(figsize=(WIDTH / 2 * len(surfaces), 3.4), layout="constrained")
     axes = figure.subplots(1, len(surfaces), squeeze=False)[0]
     for axis, surface in zip(axes, surfaces, strict=True):
         drawn = axis.contourf(surface.x, surface.y, surface.loss, levels=20, cmap="viridis_r")
-        figure.colorbar(drawn, ax=axis)
+        bar = figure.colorbar(drawn, ax=axis)
+        bar.set_label(surface.unit, fontsize=8)
+        bar.ax.tick_params(labelsize=7)
         if np.isfinite(surface.contour) and surface.loss.min() < surface.contour < surface.loss.max():
             axis.contour(surface.x, surface.y, surface.loss, levels=[surface.contour], colors="white")
-        axis.plot(*surface.best, "x", color="red", markersize=8, clip_on=False, zorder=5)
+        axis.plot(
+            *surface.best, "x", color="red", markersize=8, markeredgewidth=2, clip_on=False, zorder=5, label="optimum"
+        )
         axis.set_title(surface.title, fontsize=9)
         axis.set_xlabel(surface.across, fontsize=8)
         axis.set_ylabel(surface.up, fontsize=8)
@@ -123,17 +131,17 @@ def draw_residuals(measured: Array, residual: Array, names: Sequence[str]) -> Fi
     """
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(11, 3.2), layout="constrained")
+    figure = Figure(figsize=(WIDTH, 3.0), layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=[2, 1])
     limit = float(np.percentile(np.abs(residual), 99.5)) * 1.3 or 1.0
     for column, (name, colour) in enumerate(zip(names, AXIS_COLOURS.values(), strict=True)):
-        left.plot(measured, residual[:, column], ".", color=colour, markersize=4, label=name)
+        left.plot(measured, residual[:, column], **DIFFERENCE, color=colour, markersize=3.5, label=name)
         right.hist(residual[:, column], bins=np.linspace(-limit, limit, 31), histtype="step", color=colour)
     left.axhline(0.0, color="black", linewidth=0.6)
     left.set_xlabel("measured normal force, N", fontsize=8)
-    left.set_ylabel("measured - simulated, N", fontsize=8)
-    left.legend(fontsize=7, frameon=False)
-    right.set_xlabel("measured - simulated, N", fontsize=8)
+    left.set_ylabel("measured \N{MINUS SIGN} simulated, N", fontsize=8)
+    right.set_xlabel("measured \N{MINUS SIGN} simulated, N", fontsize=8)
+    right.set_ylabel("frames", fontsize=8)
     for axis in (left, right):
         axis.tick_params(labelsize=7)
     return figure

@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.arrays import Array
+from tactiledata.report.marks import AXIS_COLOURS, JOINED_DIFFERENCE
+from tactiledata.report.plots import WIDTH
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,7 +22,7 @@ BEFORE, AFTER = "#c0392b", "#2c5aa0"
 """Colours of values without and with the explanation."""
 ACROSS = 3
 """Number of pictures in a row."""
-COLOURS = ("#c0392b", "#27ae60", "#2c5aa0", "#8e44ad", "#d35400", "#16a085")
+COLOURS = (*AXIS_COLOURS.values(), "#8e44ad", "#b8500a", "#0f766e")
 
 
 @dataclass(frozen=True)
@@ -116,15 +118,11 @@ def draw_dependences(
 
     figure, axes = _grid(len(panels))
     for axis, panel in zip(axes, panels, strict=False):
-        axis.errorbar(
-            panel.places, panel.before, panel.before_error, color=BEFORE, marker="o", markersize=3, linewidth=1,
-            label=names[0],
-        )  # fmt: skip
+        axis.errorbar(panel.places, panel.before, panel.before_error, **JOINED_DIFFERENCE, color=BEFORE, label=names[0])
         if panel.after is not None:
             axis.errorbar(
-                panel.places, panel.after, panel.after_error, color=AFTER, marker="s", markersize=3, linewidth=1,
-                label=names[1],
-            )  # fmt: skip
+                panel.places, panel.after, panel.after_error, **JOINED_DIFFERENCE, color=AFTER, label=names[1]
+            )
         axis.axhline(0.0, color="black", linewidth=0.6)
         if panel.is_logarithmic:
             axis.set_xscale("log")
@@ -133,7 +131,6 @@ def draw_dependences(
             axis.xaxis.set_minor_formatter(NullFormatter())
         axis.set_xlabel(literal(panel.covariate), fontsize=8)
         axis.set_ylabel(literal(panel.parameter), fontsize=8)
-        axis.legend(fontsize=7, ncols=2, loc="lower right", bbox_to_anchor=(1, 1), frameon=False)
         axis.tick_params(labelsize=7)
     return figure
 
@@ -152,14 +149,13 @@ def event_panel(axis: Axes, picture: EventPicture) -> None:
         mean, error = picture.mean[:, column], 2 * picture.error[:, column]
         colour = COLOURS[column % len(COLOURS)]
         axis.fill_between(picture.frames, mean - error, mean + error, color=colour, alpha=0.15, linewidth=0)
-        axis.plot(picture.frames, mean, color=colour, marker=".", linewidth=1, label=literal(name))
+        axis.plot(picture.frames, mean, **JOINED_DIFFERENCE, color=colour, label=literal(name))
     axis.axvline(-0.5, color="black", linewidth=0.6, linestyle=":")
     axis.axhline(0.0, color="black", linewidth=0.6)
     axis.set_title(literal(picture.title), fontsize=9)
-    axis.set_xlabel("frames after it", fontsize=8)
+    axis.set_xlabel("frames after the event", fontsize=8)
     axis.locator_params(axis="x", integer=True)
     axis.set_ylabel(picture.unit, fontsize=8)
-    axis.legend(fontsize=7, frameon=False, ncols=2)
     axis.tick_params(labelsize=7)
 
 
@@ -177,16 +173,15 @@ def draw_shares(names: Sequence[str], shares: Sequence[float], even: Sequence[fl
     """
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(9, 0.28 * len(names) + 0.9), layout="constrained")
+    figure = Figure(figsize=(WIDTH, 0.28 * len(names) + 0.8), layout="constrained")
     axis = figure.subplots()
     places = np.arange(len(names))
-    axis.barh(places, shares, color=AFTER, height=0.6, label="of the excess")
-    axis.plot(even, places, "|", color="black", markersize=9, label="of the values")
+    axis.barh(places, shares, color=AFTER, height=0.6, label="share of the excess")
+    axis.plot(even, places, "|", color="black", markersize=9, label="share of all values")
     axis.set_yticks(places, [literal(name) for name in names], fontsize=8)
     axis.invert_yaxis()
     axis.set_xlabel("share", fontsize=8)
     axis.tick_params(axis="x", labelsize=7)
-    axis.legend(fontsize=7, frameon=False)
     return figure
 
 
@@ -204,7 +199,7 @@ def draw_errors(names: Sequence[str], errors: Sequence[float], unit: str) -> Fig
     """
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(7, 0.35 * len(names) + 0.7), layout="constrained")
+    figure = Figure(figsize=(7, 0.35 * len(names) + 0.6), layout="constrained")
     axis = figure.subplots()
     places = np.arange(len(names))
     axis.barh(places, errors, color=[BEFORE, AFTER, *["#8a929a"] * len(names)][: len(names)], height=0.6)
@@ -216,7 +211,7 @@ def draw_errors(names: Sequence[str], errors: Sequence[float], unit: str) -> Fig
 
 
 def draw_map(picture: MapPicture) -> Figure:
-    """Draw a map of departures over the plane; places outside the band of chance are marked."""
+    """Draw a map of departures over the plane; crosses mark places outside the band of chance."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(5, 4), layout="constrained")
@@ -242,7 +237,7 @@ def map_panel(figure: Figure, axis: Axes, picture: MapPicture, limit: float) -> 
         picture.x, picture.y, picture.values, cmap="RdBu_r", vmin=-limit, vmax=limit, shading="nearest"
     )
     row, column = np.nonzero(picture.stands_out)
-    axis.plot(picture.x[column], picture.y[row], ".", color="black", markersize=4)
+    axis.plot(picture.x[column], picture.y[row], "x", color="black", markersize=4, label="outside the band of chance")
     bar = figure.colorbar(drawn, ax=axis)
     bar.set_label(picture.unit, fontsize=8)
     axis.set_title(literal(picture.title), fontsize=9)
@@ -257,7 +252,7 @@ def _grid(count: int) -> tuple[Figure, list[Axes]]:
     from matplotlib.figure import Figure
 
     rows = max(1, -(-count // ACROSS))
-    figure = Figure(figsize=(12, 3.0 * rows), layout="constrained")
+    figure = Figure(figsize=(WIDTH, 2.5 * rows), layout="constrained")
     axes = list(figure.subplots(rows, ACROSS, squeeze=False).flat)
     for axis in axes[count:]:
         axis.set_axis_off()

@@ -10,7 +10,8 @@ import numpy as np
 
 from tactiledata.arrays import Array
 from tactiledata.report.diagnosis_plots import AFTER, BEFORE, EventPicture, MapPicture, event_panel, map_panel
-from tactiledata.report.plots import AXIS_COLOURS
+from tactiledata.report.marks import AXIS_COLOURS, MEASURED, SIMULATED
+from tactiledata.report.plots import WIDTH
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -101,11 +102,10 @@ def draw_ladder(names: Sequence[str], evidence: Sequence[float], needed: Sequenc
     """
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(9, 0.32 * len(names) + 1.0), layout="constrained")
+    figure = Figure(figsize=(WIDTH, 0.32 * len(names) + 0.8), layout="constrained")
     axis = figure.subplots()
     places = np.arange(len(names))
-    axis.hlines(places, 0.0, evidence, color=AFTER, linewidth=1)
-    axis.plot(evidence, places, "o", color=AFTER, markersize=4, label="evidence")
+    axis.barh(places, evidence, color=AFTER, height=0.5, label="evidence")
     axis.plot(needed, places, "|", color=BEFORE, markersize=12, label="needed for a claim")
     axis.axvline(0.0, color="black", linewidth=0.6)
     axis.set_yticks(places, names, fontsize=8)
@@ -116,7 +116,6 @@ def draw_ladder(names: Sequence[str], evidence: Sequence[float], needed: Sequenc
         axis.xaxis.set_major_formatter("{x:g}")
     axis.set_xlabel("evidence, logarithm of the Bayes factor", fontsize=8)
     axis.tick_params(axis="x", labelsize=7)
-    figure.legend(loc="outside upper right", fontsize=7, frameon=False)
     return figure
 
 
@@ -124,7 +123,7 @@ def draw_movement(numbers: Sequence[Moved]) -> Figure:
     """Draw one panel for each parameter: its intervals before and after, and an arrow between them."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(3.0 * len(numbers), 1.5), layout="constrained")
+    figure = Figure(figsize=(WIDTH / 3 * len(numbers), 1.5), layout="constrained")
     axes = figure.subplots(1, len(numbers), squeeze=False)[0]
     for axis, number in zip(axes, numbers, strict=True):
         rows = [("plain", number.before, BEFORE)]
@@ -132,7 +131,7 @@ def draw_movement(numbers: Sequence[Moved]) -> Figure:
             rows.append(("with it", number.after, AFTER))
         for place, (_, (low, value, high), colour) in enumerate(rows):
             axis.plot([low, high], [place, place], color=colour, linewidth=2)
-            axis.plot(value, place, "o", color=colour, markersize=6)
+            axis.plot(value, place, "s", color=colour, markersize=5)
         if number.after is not None:
             ends = {"xy": (number.after[1], 0.9), "xytext": (number.before[1], 0.1)}
             axis.annotate("", **ends, arrowprops={"arrowstyle": "->", "color": "black", "linewidth": 1})
@@ -141,7 +140,7 @@ def draw_movement(numbers: Sequence[Moved]) -> Figure:
         axis.margins(x=0.15)
         axis.set_title(number.title, fontsize=9)
         axis.tick_params(axis="x", labelsize=7)
-        axis.locator_params(axis="x", nbins=5)
+        axis.locator_params(axis="x", nbins=4)
     return figure
 
 
@@ -150,7 +149,7 @@ def draw_held_out(panels: Sequence[ErrorPanel]) -> Figure:
     from matplotlib.figure import Figure
 
     sets, kinds = len(panels[0].names), len(panels[0].bars)
-    figure = Figure(figsize=(12, 0.3 * sets * (kinds + 1) + 1.2), layout="constrained")
+    figure = Figure(figsize=(WIDTH, 0.26 * sets * (kinds + 1) + 0.8), layout="constrained")
     axes = figure.subplots(1, len(panels), squeeze=False, sharey=True)[0]
     colours = dict(zip(panels[0].bars, (BEFORE, AFTER, GREY), strict=False))
     for axis, panel in zip(axes, panels, strict=True):
@@ -161,13 +160,11 @@ def draw_held_out(panels: Sequence[ErrorPanel]) -> Figure:
             ends = np.array([-0.5, kinds - 0.5]) + number * (kinds + 1.0)
             axis.plot([floor, floor], ends, color="black", linewidth=1.2, label="noise alone" if number == 0 else None)
         axis.set_title(panel.title, fontsize=9)
-        axis.tick_params(labelsize=7)
-    # labels of the sets, and one legend for all panels
+        axis.tick_params(labelsize=7, labelleft=True)
+    # labels of the sets
     middle = np.arange(sets) * (kinds + 1.0) + (kinds - 1) / 2
     axes[0].set_yticks(middle, panels[0].names, fontsize=8)
     axes[0].invert_yaxis()
-    handles, labels = axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=8, frameon=False)
     return figure
 
 
@@ -175,7 +172,7 @@ def draw_event_pairs(pairs: Sequence[tuple[EventPicture, EventPicture | None]]) 
     """Draw the means about each event, without the effects on the left and with them on the right."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(10, 2.6 * len(pairs)), layout="constrained")
+    figure = Figure(figsize=(WIDTH, 2.5 * len(pairs)), layout="constrained")
     axes = figure.subplots(len(pairs), 2, squeeze=False, sharey="row")
     for row, pair in enumerate(pairs):
         for axis, picture in zip(axes[row], pair, strict=True):
@@ -183,6 +180,7 @@ def draw_event_pairs(pairs: Sequence[tuple[EventPicture, EventPicture | None]]) 
                 axis.set_axis_off()
             else:
                 event_panel(axis, picture)
+                axis.tick_params(labelleft=True)
     return figure
 
 
@@ -190,7 +188,7 @@ def draw_map_pair(pictures: Sequence[MapPicture]) -> Figure:
     """Draw maps side by side with one scale of colours."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(5 * len(pictures), 4), layout="constrained")
+    figure = Figure(figsize=(WIDTH / 2 * len(pictures), 3.8), layout="constrained")
     limit = max(float(np.nanmax(np.abs(picture.values), initial=1e-300)) for picture in pictures)
     for axis, picture in zip(figure.subplots(1, len(pictures), squeeze=False)[0], pictures, strict=True):
         map_panel(figure, axis, picture, limit)
@@ -201,23 +199,21 @@ def draw_overlays(pictures: Sequence[OverlayPicture]) -> Figure:
     """Draw forces, a row per trajectory and a column per component: measured points, simulated lines."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(12, 2.3 * len(pictures) + 0.3), layout="constrained")
+    figure = Figure(figsize=(WIDTH, 2.1 * len(pictures) + 0.2), layout="constrained")
     axes = figure.subplots(len(pictures), 3, squeeze=False)
     for row, picture in enumerate(pictures):
         for column, name in enumerate(AXIS_COLOURS):
             _overlay(axes[row, column], picture, column)
-            axes[row, column].set_ylabel(f"{name[0].upper()}{name[1]}, N", fontsize=8)
+            axes[row, column].set_ylabel(f"{name.capitalize()}, N", fontsize=8)
+            axes[row, column].set_xlabel("time, s", fontsize=8)
         axes[row, 0].set_title(picture.title, fontsize=9, loc="left")
-    for axis in axes[-1]:
-        axis.set_xlabel("seconds", fontsize=8)
-    handles, labels = axes[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=3, fontsize=8, frameon=False)
     return figure
 
 
 def _overlay(axis: Axes, picture: OverlayPicture, column: int) -> None:
     """Draw one component of the forces of a trajectory into a panel."""
-    axis.plot(picture.seconds, picture.measured[:, column], ".", color="black", markersize=4, label="measured")
+    axis.plot(picture.seconds, picture.measured[:, column], **MEASURED, color="black", markersize=3, label="measured")
     for (what, force), colour, dashes in zip(picture.simulated.items(), (BEFORE, AFTER), ("--", "-"), strict=False):
-        axis.plot(picture.seconds, force[:, column], dashes, color=colour, linewidth=1.1, label=what)
+        style = {**SIMULATED, "linestyle": dashes, "linewidth": 1.2}
+        axis.plot(picture.seconds, force[:, column], **style, color=colour, label=f"simulated, {what}")
     axis.tick_params(labelsize=7)

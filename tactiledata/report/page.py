@@ -1,4 +1,8 @@
-"""One page of HTML in a single file: sentences first, then tables and pictures; nothing is loaded from elsewhere."""
+"""One page of HTML in a single file: sentences first, then tables and pictures; nothing is loaded from elsewhere.
+
+All pages share this look. In every picture measured values are dots and simulated values are lines
+(`tactiledata.report.marks`).
+"""
 
 from __future__ import annotations
 
@@ -10,58 +14,141 @@ from tactiledata.contract.simulated import NOTHING_STATED, SimulatedCount
 
 TEMPLATE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><title>{{ title }}</title>
-<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="viewport" content="width=device-width, initial-scale=1"><link rel="icon" href="data:,">
 <style>
 :root { color-scheme: light dark; --ink: #1b1f24; --paper: #fff; --grey: #57606a; --line: #d0d7de; --box: #f6f8fa;
-  --damage: #b42318; --warning: #9a6700; }
+  --link: #0a58ca; --damage: #b42318; --warning: #8a5a00; }
 @media (prefers-color-scheme: dark) { :root { --ink: #e6edf3; --paper: #0d1117; --grey: #9198a1; --line: #3d444d;
-  --box: #161b22; --damage: #ff7b72; --warning: #d29922; } }
+  --box: #161b22; --link: #79b8ff; --damage: #ff7b72; --warning: #d9a441; }
+  .drawn { filter: invert(1) hue-rotate(180deg); } }
 body { font: 16px/1.5 system-ui, sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; color: var(--ink);
   background: var(--paper); overflow-wrap: break-word; }
-h1 { font-size: 1.6rem; } h2 { font-size: 1.15rem; margin-top: 2rem; border-bottom: 1px solid var(--line); }
-summary { font-size: 1.15rem; font-weight: 600; padding: .5rem 0; border-bottom: 1px solid var(--line); cursor: pointer; }
-table { border-collapse: collapse; font-size: .9rem; margin: .6rem 0; display: block; overflow-x: auto; }
+a { color: var(--link); } p { max-width: 48rem; margin: .6rem 0; }
+:focus-visible { outline: 3px solid var(--link); outline-offset: 2px; }
+.skip { position: absolute; left: -99rem; } .skip:focus { left: 1rem; top: .5rem; }
+h1 { font-size: 1.6rem; line-height: 1.25; } h2 { font-size: 1.15rem; margin: 2rem 0 .6rem; border-bottom: 1px solid var(--line); }
+nav ul, .legend { list-style: none; padding: 0; margin: .6rem 0; display: flex; flex-wrap: wrap; gap: .2rem 1.2rem; }
+nav a { display: inline-block; padding: .2rem 0; }
+summary { padding: .5rem 0; border-bottom: 1px solid var(--line); cursor: pointer; }
+summary h2 { display: inline; border: 0; }
+.scroll { overflow-x: auto; margin: .6rem 0; } table { border-collapse: collapse; font-size: .9rem; }
 td, th { padding: .25rem .7rem; border-bottom: 1px solid var(--line); text-align: left; vertical-align: top; }
-td.number { text-align: right; font-variant-numeric: tabular-nums; }
-img { max-width: 100%; background: #fff; } figure { margin: .6rem 0; }
-figcaption { font-size: .85rem; color: var(--grey); }
+th { white-space: nowrap; } td.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
+figure { margin: .8rem 0 1.2rem; } figcaption, .legend { font-size: .85rem; color: var(--grey); }
+figcaption { max-width: 48rem; } .legend svg { vertical-align: -.1em; margin-right: .4em; }
+.row { display: flex; flex-wrap: wrap; align-items: flex-start; } .row img { display: block; height: auto; box-sizing: border-box; }
+.photographs { background: #fff; }
 code, pre { font-family: ui-monospace, monospace; font-size: .85rem; background: var(--box); }
 pre { padding: .6rem; overflow-x: auto; } .damage { color: var(--damage); } .warning { color: var(--warning); }
 .info { color: var(--grey); }
-@media (max-width: 40rem) { figure { overflow-x: auto; } img { max-width: none; width: 48rem; } }
-footer { margin-top: 3rem; font-size: .8rem; color: var(--grey); }
+footer { margin-top: 3rem; font-size: .8rem; color: var(--grey); overflow-wrap: anywhere; }
+@media (max-width: 40rem) { td { min-width: 4.5rem; } td:first-child { min-width: 7rem; } td, th { padding: .25rem .45rem; } }
 </style></head><body>
-{% macro shown(picture) %}<figure><img alt="{{ simulated.captioned(picture.caption) }}" src="data:image/png;base64,{{ picture.encoded }}">
-<figcaption>{{ simulated.captioned(picture.caption) }}</figcaption></figure>{% endmacro %}
+{% macro mark(entry) %}<svg class="drawn" width="26" height="12" aria-hidden="true" fill="{{ entry.colour }}" stroke="{{ entry.colour }}">
+{%- if entry.mark == "dot" %}<circle cx="13" cy="6" r="3" stroke="none"/>
+{%- elif entry.mark == "line" %}<path d="M1 6H25" stroke-width="2"/>
+{%- elif entry.mark == "dashes" %}<path d="M1 6H25" stroke-width="2" stroke-dasharray="6 3"/>
+{%- elif entry.mark == "tick" %}<path d="M13 1V11" stroke-width="2"/>
+{%- elif entry.mark == "cross" %}<path d="M10 3L16 9M16 3L10 9" stroke-width="1.5"/>
+{%- elif entry.mark == "square" %}<rect x="10" y="3" width="6" height="6" stroke="none"/>
+{%- elif entry.mark == "joined squares" %}<path d="M1 6H25" stroke-width="1.5"/><rect x="10" y="3" width="6" height="6" stroke="none"/>
+{%- else %}<rect x="5" y="1" width="16" height="10" stroke="none"/>{% endif %}</svg>{% endmacro %}
+{% macro shown(picture) %}<figure>
+{% if picture.legend %}<ul class="legend" aria-label="Legend">{% for entry in picture.legend %}<li>{{ mark(entry) }}{{ entry.words }}</li>{% endfor %}</ul>{% endif %}
+{% for row in picture.rows %}<div class="row" style="max-width: {{ row | sum(attribute="width") }}px">
+{%- for panel in row %}<img class="{{ 'photographs' if panel.is_photograph else 'drawn' }}" style="flex: {{ panel.width }} 1 0; min-width: min(100%, {{ [panel.width - 24, 208] | min }}px)" alt="{{ simulated.captioned(panel.words or picture.caption) }}" src="data:image/png;base64,{{ panel.encoded }}">{% endfor %}</div>
+{% endfor %}<figcaption>{{ simulated.captioned(picture.caption) }}</figcaption></figure>{% endmacro %}
+{% macro paragraphs(sentences) %}{% for kind, text in sentences %}<p{% if kind %} class="{{ kind }}"{% endif %}>{{ text }}</p>{% endfor %}{% endmacro %}
+{% set open_sections = sections | rejectattr("is_folded") | list %}
+<a class="skip" href="#content">Skip to the content</a>
+<main id="content">
 <h1>{{ title }}</h1>
 {% if first_picture %}{{ shown(first_picture) }}{% endif %}
-{% for sentence in sentences %}<p>{{ sentence }}</p>{% endfor %}
+{{ paragraphs(sentences) }}
+{% if open_sections | length > 4 %}<nav aria-label="On this page"><ul>{% for section in open_sections %}<li><a href="#part-{{ loop.index }}">{{ section.title }}</a></li>{% endfor %}</ul></nav>{% endif %}
 {% for section in sections %}
-{% if section.is_folded %}<details><summary>{{ section.title }}</summary>{% else %}<h2>{{ section.title }}</h2>{% endif %}
-{% for sentence in section.sentences %}<p{% if sentence.0 %} class="{{ sentence.0 }}"{% endif %}>{{ sentence.1 }}</p>{% endfor %}
-{% if section.rows %}<table><tr>{% for name in section.columns %}<th>{{ name }}</th>{% endfor %}</tr>
+{% if section.is_folded %}<details><summary><h2>{{ section.title }}</h2></summary>
+{% else %}<h2 id="part-{{ open_sections.index(section) + 1 }}">{{ section.title }}</h2>{% endif %}
+{{ paragraphs(section.sentences) }}
+{% if section.rows %}<div class="scroll" role="region" tabindex="0" aria-label="Table: {{ section.title }}"><table><tr>
+{%- for name in section.columns %}{% if name %}<th scope="col">{{ name }}</th>{% else %}<td></td>{% endif %}{% endfor %}</tr>
 {% for row in section.rows %}<tr>{% for cell in row %}<td{% if cell is number %} class="number"{% endif %}>{{ cell }}</td>{% endfor %}</tr>
-{% endfor %}</table>{% endif %}
+{% endfor %}</table></div>{% endif %}
 {% for picture in section.pictures %}{{ shown(picture) }}{% endfor %}
-{% for block in section.code %}<pre>{{ block }}</pre>{% endfor %}
+{% for block in section.code %}<pre tabindex="0">{{ block }}</pre>{% endfor %}
 {% if section.is_folded %}</details>{% endif %}
 {% endfor %}
+</main>
 <footer>{{ footer }}</footer>
 </body></html>
 """
 
 
+SHOWN = 0.69
+"""Pixels of a page for a pixel of a panel: panels are drawn finer than they are shown, for sharp screens."""
+
+
 @dataclass(frozen=True)
-class Picture:
-    """A PNG picture and its caption."""
+class Panel:
+    """A part of a picture that stays whole.
+
+    Parameters
+    ----------
+    png : bytes
+        Content of a PNG file.
+    pixels : int
+        Width of the PNG.
+    words : str
+        What it shows, for people who do not see it; empty where the caption says it.
+    is_photograph : bool
+        Whether its colours are those of photographs, so that it looks the same on a dark page.
+    """
 
     png: bytes
-    caption: str
+    pixels: int
+    words: str = ""
+    is_photograph: bool = False
+
+    @property
+    def width(self) -> int:
+        """Width on a page, px."""
+        return round(SHOWN * self.pixels)
 
     @property
     def encoded(self) -> str:
-        """Content of the picture as Base64 text."""
+        """Content of the panel as Base64 text."""
         return base64.b64encode(self.png).decode()
+
+
+@dataclass(frozen=True)
+class LegendEntry:
+    """What one kind of mark in a picture means.
+
+    Parameters
+    ----------
+    words : str
+        Its meaning.
+    colour : str
+        Its colour, as ``"#2c5aa0"``.
+    mark : str
+        ``"dot"``, ``"line"``, ``"dashes"``, ``"square"``, ``"joined squares"``, ``"cross"``, ``"tick"`` or ``"box"``.
+    """
+
+    words: str
+    colour: str
+    mark: str
+
+
+@dataclass(frozen=True)
+class Picture:
+    """Rows of panels with a caption, and a legend of the marks in them.
+
+    Panels of a row stand side by side, and below one another where the page is too narrow.
+    """
+
+    rows: Sequence[Sequence[Panel]]
+    caption: str
+    legend: Sequence[LegendEntry] = ()
 
 
 @dataclass(frozen=True)
@@ -95,7 +182,7 @@ class Section:
 
 def render_page(
     title: str,
-    sentences: Sequence[str],
+    sentences: Sequence[str | tuple[str, str]],
     sections: Sequence[Section],
     footer: str,
     simulated: SimulatedCount = NOTHING_STATED,
@@ -107,8 +194,8 @@ def render_page(
     ----------
     title : str
         Title and first heading.
-    sentences : sequence of str
-        Paragraphs before the first section.
+    sentences : sequence of str or (kind, text)
+        Paragraphs before the first section, with kinds as in `Section`.
     sections : sequence of Section
         Parts of the page.
     footer : str
@@ -124,7 +211,10 @@ def render_page(
     environment = Environment(autoescape=True, undefined=StrictUndefined)
     return environment.from_string(TEMPLATE).render(
         title=simulated.titled(title),
-        sentences=[*sentences, *filter(None, [simulated.sentence])],
+        sentences=[
+            ("", sentence) if isinstance(sentence, str) else sentence
+            for sentence in (*sentences, *filter(None, [simulated.sentence]))
+        ],
         sections=sections,
         footer=footer,
         simulated=simulated,

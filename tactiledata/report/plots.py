@@ -10,12 +10,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.report.marks import AXIS_COLOURS, MEASURED
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-AXIS_COLOURS = {"fx": "#c0392b", "fy": "#27ae60", "fz": "#2c5aa0"}
-"""Colours of the components of a force."""
+WIDTH = 9.6
+"""Width of a wide figure, inches: as wide as a page, so that texts keep their size."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +64,7 @@ def draw_touches(touches: Sequence[TouchPicture]) -> Figure:
     """
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(11, 2.35 * len(touches) + 0.5), layout="constrained")
+    figure = Figure(figsize=(WIDTH, 2.2 * len(touches) + 0.4), layout="constrained")
     with_force = any(touch.has_force for touch in touches)
     widths = [1, 1, 1, 2.7] if with_force else [1, 1, 1]
     axes = figure.subplots(len(touches), len(widths), squeeze=False, width_ratios=widths)
@@ -74,7 +76,7 @@ def draw_touches(touches: Sequence[TouchPicture]) -> Figure:
         _picture(axes[row, 2], _difference(touch), "difference ×2" if row == 0 else "")
         axes[row, 0].set_ylabel(touch.title, fontsize=8)
         if touch.has_force:
-            _force(axes[row, 3], touch, is_first=row == 0, is_last=row == len(touches) - 1)
+            _force(axes[row, 3], touch, is_last=row == len(touches) - 1)
         elif with_force:
             _picture(axes[row, 3], None, "")
     return figure
@@ -104,30 +106,28 @@ def _picture(axes: Axes, image: NDArray[np.uint8] | None, title: str) -> None:
     axes.set_yticks([])
 
 
-def _force(axes: Axes, touch: TouchPicture, is_first: bool, is_last: bool) -> None:
-    """Draw the force over time into a panel, with ticks at the images."""
-    for column, name in enumerate(("fx", "fy", "fz")):
-        axes.plot(
-            touch.seconds,
-            touch.force[:, column],
-            color=AXIS_COLOURS[name],
-            linewidth=1,
-            label=f"{name[0].upper()}{name[1]}",
-        )
+def _force(axes: Axes, touch: TouchPicture, is_last: bool) -> None:
+    """Draw the measured force over time into a panel, with ticks at the images."""
+    for name, values in zip(AXIS_COLOURS, touch.force.T, strict=True):
+        label = f"{name.capitalize()} measured"
+        axes.plot(touch.seconds, values, **MEASURED, color=AXIS_COLOURS[name], markersize=1.8, label=label)
     low = np.nanmin(touch.force) if touch.force.size else 0.0
     axes.plot(
-        touch.frame_seconds, np.full(len(touch.frame_seconds), low), "|", color="black", markersize=5, label="image"
+        touch.frame_seconds,
+        np.full(len(touch.frame_seconds), low),
+        "|",
+        color="black",
+        markersize=5,
+        label="image taken",
     )
-    axes.axvline(touch.shown_second, color="black", linewidth=0.6, linestyle=":")
-    axes.set_ylabel(f"N ({touch.force_frame} frame)", fontsize=8)
+    axes.axvline(touch.shown_second, color="black", linewidth=0.8, linestyle=":")
+    axes.set_ylabel(f"force, N ({touch.force_frame} frame)", fontsize=8)
     axes.tick_params(labelsize=8)
-    if is_first:
-        axes.legend(fontsize=7, ncols=4, loc="lower right", bbox_to_anchor=(1, 1), frameon=False)
     if is_last:
-        axes.set_xlabel("seconds from the start of the trajectory", fontsize=8)
+        axes.set_xlabel("time from the start of the trajectory, s", fontsize=8)
 
 
-def png_bytes(figure: Figure, dots_per_inch: int = 110, heading: str = "") -> bytes:
+def png_bytes(figure: Figure, dots_per_inch: int = 110, heading: str = "", has_legend: bool = False) -> bytes:
     """Return a figure as the bytes of a PNG; the same figure gives the same bytes.
 
     Parameters
@@ -138,9 +138,16 @@ def png_bytes(figure: Figure, dots_per_inch: int = 110, heading: str = "") -> by
         Resolution.
     heading : str
         Heading above all parts of the figure; empty for none.
+    has_legend : bool
+        Whether a legend of all labels that were drawn stands below.
     """
     if heading:
         figure.suptitle(heading, fontsize=10)
+    if has_legend:
+        labelled = [axes.get_legend_handles_labels() for axes in figure.axes]
+        by_label = {label: handle for pair in labelled for handle, label in zip(*pair, strict=True)}
+        place = {"loc": "outside lower center", "ncols": 4, "fontsize": 8, "frameon": False, "markerscale": 2}
+        figure.legend(by_label.values(), by_label.keys(), **place)
     stream = io.BytesIO()
     figure.savefig(stream, format="png", dpi=dots_per_inch, metadata={"Software": None})
     return stream.getvalue()

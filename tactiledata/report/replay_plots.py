@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.report.plots import AXIS_COLOURS
+from tactiledata.report.marks import AXIS_COLOURS, MEASURED, SIMULATED
+from tactiledata.report.plots import WIDTH
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -58,11 +59,11 @@ def draw_replayed(touches: Sequence[ReplayedTouch]) -> Figure:
     """Draw a row per touch: the deformed surface at the largest force, and the forces over time."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(11, 2.8 * len(touches) + 0.4), layout="constrained")
+    figure = Figure(figsize=(WIDTH, 2.5 * len(touches) + 0.3), layout="constrained")
     grid = figure.add_gridspec(len(touches), 2, width_ratios=[1, 2])
     for row, touch in enumerate(touches):
         _surface(figure.add_subplot(grid[row, 0], projection="3d"), touch)
-        _forces(figure.add_subplot(grid[row, 1]), touch, is_first=row == 0, is_last=row == len(touches) - 1)
+        _forces(figure.add_subplot(grid[row, 1]), touch, is_last=row == len(touches) - 1)
     return figure
 
 
@@ -82,22 +83,16 @@ def _surface(axes: Any, touch: ReplayedTouch) -> None:
     bar.ax.tick_params(labelsize=7)
 
 
-def _forces(axes: Axes, touch: ReplayedTouch, is_first: bool, is_last: bool) -> None:
+def _forces(axes: Axes, touch: ReplayedTouch, is_last: bool) -> None:
     """Draw measured forces as dots and simulated forces as lines, over time."""
-    for column, name in enumerate(("fx", "fy", "fz")):
-        label = f"{name[0].upper()}{name[1]}"
-        colour = AXIS_COLOURS[name]
-        axes.plot(
-            touch.seconds, touch.measured[:, column], ".", color=colour, markersize=1.5, alpha=0.4,
-            label=f"{label} measured",
-        )  # fmt: skip
-        axes.plot(
-            touch.frame_seconds, touch.simulated[:, column], color=colour, linewidth=1.2, label=f"{label} simulated"
-        )
-    axes.axvline(touch.shown_second, color="black", linewidth=0.6, linestyle=":")
-    axes.set_ylabel("N (gel frame)", fontsize=8)
+    for what, seconds, forces, style in (
+        ("measured", touch.seconds, touch.measured, {**MEASURED, "markersize": 1.8, "alpha": 0.6}),
+        ("simulated", touch.frame_seconds, touch.simulated, {**SIMULATED, "linewidth": 1.3}),
+    ):
+        for name, values in zip(AXIS_COLOURS, forces.T, strict=True):
+            axes.plot(seconds, values, **style, color=AXIS_COLOURS[name], label=f"{name.capitalize()} {what}")
+    axes.axvline(touch.shown_second, color="black", linewidth=0.8, linestyle=":")
+    axes.set_ylabel("force, N (gel frame)", fontsize=8)
     axes.tick_params(labelsize=8)
-    if is_first:
-        axes.legend(fontsize=7, ncols=3, loc="lower right", bbox_to_anchor=(1, 1), frameon=False, markerscale=4)
     if is_last:
-        axes.set_xlabel("seconds from the start of the trajectory", fontsize=8)
+        axes.set_xlabel("time from the start of the trajectory, s", fontsize=8)

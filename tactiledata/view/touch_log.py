@@ -13,7 +13,7 @@ from tactiledata.view.touch import ViewedTouch
 
 TRAJECTORY_TIME, LOG_TIME = "trajectory", "log"
 """Time lines: seconds since the start of the trajectory, and since the first frame or sample of its recording."""
-COLOURS = ((192, 57, 43), (39, 174, 96), (44, 90, 160))
+COLOURS = ((192, 57, 43), (30, 132, 73), (44, 90, 160))
 """Colours of x, y and z: those of the other pages."""
 OTHER_COLOURS = ((120, 120, 120), (142, 68, 173), (211, 132, 0), (0, 128, 128))
 DOT, LINE = 2.0, 2.0

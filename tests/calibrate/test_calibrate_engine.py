@@ -164,7 +164,11 @@ def test_the_file_and_the_page(calibration, tmp_path):
     assert document["provenance"]["inputs"]["store"] == "0" * 64
     pytest.importorskip("matplotlib")
     page = calibration_page(calibration)
-    assert page.count("data:image/png") == 3
+    begin = ["<figure>", "E is ", ">Result</h2>", ">What to know</h2>", "<details>", "Why other steps state another E"]
+    places = [page.index(words) for words in begin]
+    assert places == sorted(places)
+    # eight trajectories, four of them at the top; two maps; residuals over force and their counts
+    assert page.count("data:image/png") == 8 + 2 + 2
     assert "preview" in page
 
 

@@ -1,16 +1,20 @@
 """What is shown on unseen data: nothing where nothing is missing, the way to the noise where something is."""
 
+import asyncio
 import dataclasses
 import json
 
 import jsonschema
 import numpy as np
 import pytest
+from browser import BROWSER
+from page_laws import faults_of
 from touch_worlds import FORCE_NOISE, PLANTS, START, base, null, world_cases
 
 from tactiledata.contract.schema import load_schema
 from tactiledata.diagnose.answer.documents import naming_document
 from tactiledata.diagnose.answer.naming_page import naming_page, naming_sentences
+from tactiledata.diagnose.answer.other_steps import StatedMaterial, other_steps_section
 from tactiledata.diagnose.answer.unseen_page import doubts, same_digits, shown_sentences
 from tactiledata.diagnose.naming.held_out import folds_of
 from tactiledata.diagnose.naming.joint_fit import joint_fit
@@ -21,6 +25,7 @@ from tactiledata.diagnose.touches.touch_case import TouchSet
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.diagnose.unseen.compare import show
 from tactiledata.diagnose.unseen.errors import held_out_errors, held_out_wrenches
+from tactiledata.gel.elasticity.material import GelMaterial
 
 pytestmark = pytest.mark.slow
 
@@ -80,6 +85,19 @@ def test_what_was_sloped_is_flat(relaxed):
     assert abs(after.change.value) < 0.5 * abs(before.change.value)
 
 
+@pytest.mark.slow
+@pytest.mark.skipif(BROWSER is None, reason="no browser")
+def test_a_real_browser_shows_it(relaxed, tmp_path):
+    """The page of a store keeps the laws of all pages, light and dark, on a desk and on a phone."""
+    pytest.importorskip("aiohttp")
+    pytest.importorskip("axe_core_python")
+    naming, shown = relaxed
+    place = tmp_path / "report.html"
+    place.write_text(naming_page("Diagnosis", naming, shown.located, shown, [("Dwell", "a.yaml")], ["2 frames"], "0"))
+    faults, _ = asyncio.run(faults_of({"diagnosis": place}, tmp_path / "profile"))
+    assert faults == []
+
+
 @pytest.mark.parametrize("which", ["nothing", "relaxed"])
 def test_document_and_page_say_it(which, request):
     """A document fits its schema; a page begins with picture, three sentences and the next trial; the rest folds."""
@@ -92,22 +110,31 @@ def test_document_and_page_say_it(which, request):
     closed = [errors["force"]["closed"] for errors in document["shown"]["held_out"]]
     assert all(share is None for share in closed) if which == "nothing" else min(closed) > 0.5
     trials = [("Dwell for 60 s", "trials/dwell.yaml")]
-    html = naming_page("Diagnosis", naming, shown.located, shown, trials, ["2 frames without a pose"], "seed 0")
-    titles = ("All in words", "Where they differ", "What is missing", "How the simulation behaves", "How much better",
-              "What could be seen at all", "What was left out")  # fmt: skip
+    steps = other_steps_section(naming, START, [StatedMaterial("mesh soft", GelMaterial(5e5, 0.47, 0.7), "by hand")])
+    html = naming_page(
+        "Diagnosis", naming, shown.located, shown, trials, ["2 frames without a pose"], "seed 0", other_steps=steps
+    )
+    titles = ("All in words", "Where they differ", "What is missing", "How the simulation behaves",
+              "E, nu and mu of other steps", "How much better", "What could be seen at all",
+              "What was left out")  # fmt: skip
     claim = document["naming"]["sentences"][0]
     opened, _, folded = html.partition("<details>")
+    # values of other steps stand beside the fitted ones, and each is held against the interval of the plain fit
+    assert "E of mesh soft, 500 kPa, lies outside the 95 % interval of the plain fit, " in folded
+    plain = f"<td>this diagnosis, plain</td><td>{naming.base.model.material.youngs_modulus / 1e3:.0f}</td>"
+    assert plain in folded
+    assert ("<td>this diagnosis, with viscoelastic relaxation</td>" in folded) == (which == "relaxed")
     begin = [
         "</h1>",
         "<figure>",
         f"<p>{claim[:40]}",
         "<p>On held-out ",
-        "<h2>What to record next</h2>",
+        ">What to record next</h2>",
         "trials/dwell.yaml",
     ]
     for text, places in (
         (opened, [opened.index(mark) for mark in begin]),
-        (folded, [folded.index(f"<summary>{title}</summary>") for title in titles]),
+        (folded, [folded.index(f"<summary><h2>{title}</h2></summary>") for title in titles]),
     ):
         assert places == sorted(places), text[:200]
     assert opened.count("<p>") == 3

@@ -1,18 +1,16 @@
 """The viewer in a browser: what is served, to whom, and that it opens and draws in a real one."""
 
 import asyncio
-import base64
 import http.client
 import re
-import shutil
 import subprocess
 import sys
 import time
 from urllib.parse import parse_qs, urlsplit
 
-import cv2
 import numpy as np
 import pytest
+from browser import BROWSER, open_browser
 from copied_trees import copy_tree
 
 pytest.importorskip("rerun")
@@ -105,9 +103,8 @@ def test_a_taken_port_is_wrong_usage(address, tmp_path):
         pass
 
 
-BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-OPTIONS = ("--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-           "--ignore-gpu-blocklist", "--remote-debugging-port=0", "--window-size=1600,1000")  # fmt: skip
+OPTIONS = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist",
+           "--window-size=1600,1000")  # fmt: skip
 PATIENCE = 240.0
 """Seconds in which the page must have drawn: without a graphics card it is slow."""
 MEASURED_BLUE = (44, 90, 160)
@@ -118,59 +115,16 @@ HELD_BACK = re.compile(r"Content Security Policy")
 
 async def drawn_in_browser(address, folder, is_drawn):
     """A picture (H, W, 3) of a page once it is drawn, and the errors of its console."""
-    aiohttp = pytest.importorskip("aiohttp")
-    browser = subprocess.Popen(
-        [BROWSER, *OPTIONS, f"--user-data-dir={folder}", "about:blank"],
-        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
-    )  # fmt: skip
-    try:
-        for line in browser.stderr:
-            if found := re.search(r"ws://[\d.]+:(\d+)/", line):
-                break
-        errors, number, shots = [], 0, {}
-        async with aiohttp.ClientSession() as session:
-            async with session.get(f"http://127.0.0.1:{found[1]}/json") as answer:
-                (tab,) = [one for one in await answer.json() if one["type"] == "page"]
-            async with session.ws_connect(tab["webSocketDebuggerUrl"], max_msg_size=0) as socket:
-
-                async def send(method, **parameters):
-                    nonlocal number
-                    number += 1
-                    await socket.send_json({"id": number, "method": method, "params": parameters})
-                    return number
-
-                for domain in ("Runtime", "Log", "Page"):
-                    await send(f"{domain}.enable")
-                await send("Page.navigate", url=address)
-                began = asked = time.monotonic()
-                while time.monotonic() < began + PATIENCE:
-                    try:
-                        message = await asyncio.wait_for(socket.receive_json(), 1)
-                    except TimeoutError:
-                        message = {}
-                    errors += error_of(message)
-                    if message.get("id") in shots:
-                        content = np.frombuffer(base64.b64decode(message["result"]["data"]), np.uint8)
-                        picture = cv2.imdecode(content, cv2.IMREAD_COLOR_RGB)
-                        if is_drawn(picture):
-                            return picture, errors
-                    if time.monotonic() > asked + 8:
-                        asked = time.monotonic()
-                        shots[await send("Page.captureScreenshot", format="png")] = True
-    finally:
-        browser.terminate()
-        browser.communicate()
-    pytest.fail(f"the page was not drawn in {PATIENCE} s; errors: {errors}")
-
-
-def error_of(message):
-    """The errors in a message of the browser, in words."""
-    method, told = message.get("method"), message.get("params", {})
-    if method == "Runtime.consoleAPICalled" and told["type"] in ("error", "assert"):
-        return [" ".join(str(one.get("value", one.get("description", ""))) for one in told["args"])]
-    if method == "Log.entryAdded" and told["entry"]["level"] == "error":
-        return [told["entry"]["text"]]
-    return [str(told)] if method == "Runtime.exceptionThrown" else []
+    pytest.importorskip("aiohttp")
+    async with open_browser(folder, *OPTIONS) as tab:
+        await tab.send("Page.navigate", url=address)
+        began = time.monotonic()
+        while time.monotonic() < began + PATIENCE:
+            await asyncio.sleep(4)
+            picture = await tab.picture()
+            if is_drawn(picture):
+                return picture, tab.errors
+        pytest.fail(f"the page was not drawn in {PATIENCE} s; errors: {tab.errors}")
 
 
 def share_near(picture, colour, reach=12):

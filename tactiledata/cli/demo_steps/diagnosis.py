@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -40,8 +41,10 @@ def diagnose_touches(
         Whether to show no progress.
     """
     from tactiledata.diagnose.answer.documents import store_document, write_store_diagnosis
+    from tactiledata.diagnose.answer.other_steps import StatedMaterial
     from tactiledata.diagnose.options import DiagnosisOptions
     from tactiledata.diagnose.store import diagnose_store
+    from tactiledata.gel.elasticity.material import GelMaterial
     from tactiledata.store.read.reader import Store
 
     report_step(
@@ -58,6 +61,14 @@ def diagnose_touches(
     except TactileDataError as error:
         report_step(f"   left out: {error.found}")
         return None, None
+    # the world's own numbers, beside those that were fitted
+    own = scenario.material
+    world = StatedMaterial(
+        "the recorded world",
+        GelMaterial(own.youngs_modulus, own.poisson_ratio, own.friction),
+        "the truth, which only a simulated world states",
+    )
+    diagnosis = replace(diagnosis, stated=(world, *diagnosis.stated))
     document = store_document(diagnosis)
     written = write_store_diagnosis(out / "diagnosis", "the demo's world", diagnosis, document)
     report_step(f"   {document['source']['groups']} touches took part")

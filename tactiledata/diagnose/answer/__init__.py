@@ -10,6 +10,7 @@ of a table begins with the words of `formula.explain`. Read the modules in this 
 - `glossary`: what do the terms on a page mean?
 - `locator_rows`: how are the locators' results listed and drawn?
 - `unseen_page`: how much better is the simulation on held-out data, in sentences and pictures?
+- `other_steps`: how do E, nu and mu relate to those of other steps?
 - `next_trial_words`: what should be recorded next?
 - `naming_page`, `formula_page`: the pages of a store and of a table.
 - `notes`: which trajectories, frames and effects took no part, and why?

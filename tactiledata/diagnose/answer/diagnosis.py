@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from tactiledata.contract.simulated import NOTHING_STATED, SimulatedCount
+from tactiledata.diagnose.answer.other_steps import StatedMaterial
 from tactiledata.diagnose.answer.sentences import Answer
 from tactiledata.diagnose.formula.explain import Explanation
 from tactiledata.diagnose.naming.decide import claim_verdict
@@ -50,6 +51,8 @@ class StoreDiagnosis:
         Effects that were played in full after an estimate, and how far the estimate was off.
     readings : tuple of DeadBand or FreeAirInertia
         What the force sensor's readings show by themselves.
+    stated : tuple of StatedMaterial
+        E, nu and mu of other steps, to be set beside those that were fitted.
     """
 
     store: str
@@ -64,6 +67,7 @@ class StoreDiagnosis:
     simulated: SimulatedCount = NOTHING_STATED
     full_plays: tuple[FullPlay, ...] = ()
     readings: tuple[DeadBand | FreeAirInertia, ...] = ()
+    stated: tuple[StatedMaterial, ...] = ()
 
     @property
     def answer(self) -> Answer:

@@ -18,6 +18,7 @@ from tactiledata.diagnose.answer.locator_rows import change_document, located_do
 from tactiledata.diagnose.answer.naming_page import naming_page, naming_sentences
 from tactiledata.diagnose.answer.next_trial_words import next_trial_sentences, next_trials_document
 from tactiledata.diagnose.answer.notes import notes_of
+from tactiledata.diagnose.answer.other_steps import other_steps_section
 from tactiledata.diagnose.answer.sentences import Answer
 from tactiledata.diagnose.answer.unseen_page import shown_sentences
 from tactiledata.diagnose.formula.explain import Explanation
@@ -321,6 +322,7 @@ def write_store_diagnosis(folder: Path, name: str, done: StoreDiagnosis, documen
     page = naming_page(
         title, done.naming, shown.located, shown, trials, document["notes"], footer,
         further=_further(done), first=_sensor_sentences(done), simulated=done.simulated,
+        other_steps=other_steps_section(done.naming, done.played.start, done.stated),
     )  # fmt: skip
     write_atomic(written[0], page.encode())
     write_json_atomic(written[1], document)

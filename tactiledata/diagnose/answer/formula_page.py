@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from tactiledata.diagnose.answer.glossary import with_explanations
+from tactiledata.diagnose.answer.glossary import FIRST, with_explanations
 from tactiledata.diagnose.answer.locator_rows import (
+    DEPENDENCE_CAPTION,
+    MAP_CAPTION,
     dependence_panel,
     event_picture,
     locators_section,
@@ -17,16 +20,16 @@ from tactiledata.diagnose.answer.locator_rows import (
 )
 from tactiledata.diagnose.formula.explain import Explanation
 from tactiledata.diagnose.formula.open_form import corrected_words
-from tactiledata.diagnose.locate.drifts import Drift
-from tactiledata.diagnose.locate.locate import LocatorResults
 from tactiledata.diagnose.residuals.projection import project
 from tactiledata.diagnose.residuals.wording import percent, rounded
-from tactiledata.report.diagnosis_plots import draw_dependences, draw_errors, draw_events, draw_map
+from tactiledata.report.diagnosis_plots import Dependence, draw_dependences, draw_errors, draw_events, draw_map
 from tactiledata.report.page import Picture, Section, render_page
-from tactiledata.report.plots import png_bytes
+from tactiledata.report.panels import panels_of
 
 MOST_PANELS = 6
 """Most dependences, and most events, that are drawn."""
+MOST_FIRST = 3
+"""Most dependences in the picture at the top."""
 REFITTED = "scale and offset refitted"
 
 
@@ -34,6 +37,9 @@ def explanation_page(
     title: str, explanation: Explanation, errors: Sequence[dict[str, Any]], notes: Sequence[str], footer: str
 ) -> str:
     """Return the page of a diagnosis as HTML.
+
+    It begins with a picture of the mismatch and its cure, and with the answer in three sentences. All sentences and the
+    sections are folded below.
 
     Parameters
     ----------
@@ -45,10 +51,18 @@ def explanation_page(
         What was left out, and why.
     footer : str
     """
-    sections = [locators_section(explanation.located), *_formula(explanation, errors), *_pictures(explanation)]
+    sentences = explanation.sentences()
+    details = [
+        Section("All in words", with_explanations(sentences)),
+        locators_section(explanation.located),
+        *_formula(explanation, errors),
+        *_pictures(explanation),
+    ]
     if notes:
-        sections.append(Section("What was left out", [("warning", note) for note in notes]))
-    return render_page(title, with_explanations(explanation.sentences()), sections, footer)
+        details.append(Section("What was left out", [("warning", note) for note in notes]))
+    sections = [replace(section, is_folded=True) for section in details]
+    beginning = with_explanations(sentences[:FIRST])
+    return render_page(title, beginning, sections, footer, first_picture=_first_picture(explanation))
 
 
 def _formula(explanation: Explanation, errors: Sequence[dict[str, Any]]) -> list[Section]:
@@ -101,40 +115,55 @@ def _bars(explanation: Explanation) -> list[Picture]:
     names = [REFITTED, "with the formula", "black box", f"floor: {explanation.floor_is}"]
     scale = explanation.located.projection.residuals.scale
     drawn = draw_errors(names, [gap.before, gap.after, black_box, gap.floor], scale)
-    return [Picture(png_bytes(drawn), "Errors of groups that had no part in formula or black box.")]
+    return [panels_of(drawn, "Errors of groups that had no part in formula or black box.")]
 
 
 def _pictures(explanation: Explanation) -> list[Section]:
     """Return the sections with dependences, events, shares of the residual and the map."""
-    located, form = explanation.located, explanation.form
-    after = None
-    if form is not None and form.terms:
-        after = project(located.projection.residuals.with_fields(form.fields))
+    located = explanation.located
     # dependences on covariates
     sections = []
-    panels = [dependence_panel(located.projection, after, drift) for drift in _drawn(located)]
+    panels = _dependence_panels(explanation, MOST_FIRST, MOST_PANELS)
     if panels:
-        picture = Picture(
-            png_bytes(draw_dependences(panels)), "Departure of a parameter by each part of the data alone."
-        )
-        sections.append(Section("Dependences", pictures=[picture]))
+        picture = panels_of(draw_dependences(panels), DEPENDENCE_CAPTION)
+        sections.append(Section("More dependences", pictures=[picture]))
     # mean residuals about events
     components, scale = located.projection.residuals.components, located.projection.residuals.scale
     pictures = [event_picture(event, components, scale=scale) for event in located.events[:MOST_PANELS]]
     if pictures:
-        picture = Picture(png_bytes(draw_events(pictures)), "Means over groups, less the mean before the event.")
+        picture = panels_of(draw_events(pictures), "Means over groups, less the mean before the event.")
         sections.append(Section("About events", pictures=[picture]))
     # where the residual is largest, and over which places it departs
     shares = shares_section(located)
     sections += [shares] if shares is not None else []
     if located.maps:
         first = located.maps[0]
-        picture = Picture(png_bytes(draw_map(map_picture(first))), "Dots mark places outside the band of chance.")
+        picture = panels_of(
+            draw_map(map_picture(first)),
+            MAP_CAPTION,
+        )
         sections.append(Section("Map", [("", first.words)], pictures=[picture]))
     return sections
 
 
-def _drawn(located: LocatorResults) -> list[Drift]:
-    """Return at most `MOST_PANELS` drifts over covariates, the strongest first; labels cannot be drawn as an axis."""
+def _first_picture(explanation: Explanation) -> Picture | None:
+    """Return the picture at the top: the strongest dependences, else the errors; nothing where there is neither."""
+    panels = _dependence_panels(explanation, 0, MOST_FIRST)
+    if panels:
+        return panels_of(draw_dependences(panels), DEPENDENCE_CAPTION)
+    bars = _bars(explanation)
+    return bars[0] if bars else None
+
+
+def _dependence_panels(explanation: Explanation, first: int, stop: int) -> list[Dependence]:
+    """Return panels of some drifts over covariates, without and with the formula: from one place to another.
+
+    The strongest drift is at place 0. Labels cannot be drawn as an axis.
+    """
+    located, form = explanation.located, explanation.form
+    after = None
+    if form is not None and form.terms:
+        after = project(located.projection.residuals.with_fields(form.fields))
     covariates = located.projection.residuals.covariates
-    return [drift for drift in located.drifts if drift.covariate in covariates][:MOST_PANELS]
+    drawn = [drift for drift in located.drifts if drift.covariate in covariates][first:stop]
+    return [dependence_panel(located.projection, after, drift) for drift in drawn]

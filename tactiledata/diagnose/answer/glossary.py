@@ -21,6 +21,10 @@ TERMS: Terms = (
         " them is the cause.",
     ),
     (
+        r"\bheld-out (trajectories|indenters|sensors)\b",
+        "Held out: these took no part in the fit. Their errors show what is predicted, not what is memorised.",
+    ),
+    (
         r"\bgap\b",
         "The gap is the error before, less the noise floor: the error that noise leaves to a perfect simulation.",
     ),
@@ -49,19 +53,20 @@ STORE_TERMS: Terms = (
 """Pattern of each term of a store's page, and its explanation."""
 
 
-def with_explanations(sentences: Sequence[str], terms: Terms = TERMS) -> list[str]:
-    """Return sentences, each followed by explanations of the terms that it uses first.
+def with_explanations(sentences: Sequence[str], terms: Terms = TERMS) -> list[tuple[str, str]]:
+    """Return sentences as paragraphs of a page, each followed by explanations of the terms that it uses first.
 
-    Terms of the first `FIRST` sentences are explained after these.
+    A paragraph is a kind and a text: ``""`` for a sentence, ``"info"`` for an explanation. Terms of the first `FIRST`
+    sentences are explained after these.
     """
-    explained: list[str] = []
+    explained: list[tuple[str, str]] = []
     waiting: list[str] = []
     unexplained = dict(terms)
     for number, sentence in enumerate(sentences, start=1):
-        explained.append(sentence)
+        explained.append(("", sentence))
         used = [pattern for pattern in unexplained if re.search(pattern, sentence)]
         waiting += [unexplained.pop(pattern) for pattern in used]
         if number >= min(FIRST, len(sentences)):
-            explained += waiting
+            explained += [("info", words) for words in waiting]
             waiting = []
     return explained

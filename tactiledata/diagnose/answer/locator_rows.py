@@ -19,8 +19,8 @@ from tactiledata.diagnose.residuals.projection import ProjectedResiduals
 from tactiledata.diagnose.residuals.slopes import Change
 from tactiledata.diagnose.residuals.wording import p_text
 from tactiledata.report.diagnosis_plots import Dependence, EventPicture, MapPicture, draw_shares
-from tactiledata.report.page import Picture, Section
-from tactiledata.report.plots import png_bytes
+from tactiledata.report.page import Section
+from tactiledata.report.panels import panels_of
 
 MOST_CELLS = 40
 """Most cells of the residual's squares in a document."""
@@ -176,6 +176,11 @@ def dependence(projection: ProjectedResiduals, parameter: str, covariate: str) -
     return Binned(places, departures, np.sqrt((misfit**2).sum(axis=0)) / total)
 
 
+DEPENDENCE_CAPTION = (
+    "How far a parameter departs from its mean, by each part of the data alone. Vertical bars are standard errors. "
+    "Where nothing is missing, all squares lie at 0."
+)
+MAP_CAPTION = "How far a parameter departs from its mean over the plane. Crosses lie outside the band of chance."
 MOST_BARS = 24
 """Most bars in the picture of the residual's squares."""
 
@@ -215,7 +220,7 @@ def shares_section(located: LocatorResults) -> Section | None:
     if not cells:
         return None
     drawn = draw_shares([c.words for c in cells], [min(c.share, 1.0) for c in cells], [c.of_values for c in cells])
-    picture = Picture(png_bytes(drawn), "Shares of the squared residual; ticks show an even spread.")
+    picture = panels_of(drawn, "Shares of the squared residual; ticks show an even spread.")
     return Section("Where the residual is largest", [("", located.energy.words)], pictures=[picture])
 
 

@@ -11,6 +11,7 @@ from tactiledata.diagnose.answer.glossary import STORE_TERMS, with_explanations
 from tactiledata.diagnose.answer.locator_rows import locators_section, shares_section
 from tactiledata.diagnose.answer.sentences import Answer
 from tactiledata.diagnose.answer.unseen_page import (
+    WITH_EFFECT,
     better_section,
     comparison_sections,
     doubts,
@@ -26,8 +27,8 @@ from tactiledata.diagnose.residuals.wording import percent, rounded, with_interv
 from tactiledata.diagnose.unseen.compare import HeldOutComparison
 from tactiledata.effects import EFFECTS
 from tactiledata.report.naming_plots import Moved, draw_ladder, draw_movement
-from tactiledata.report.page import Picture, Section, render_page
-from tactiledata.report.plots import png_bytes
+from tactiledata.report.page import Section, render_page
+from tactiledata.report.panels import panels_of
 
 MOST_FIRST = 3
 """Most sentences of the locators at the top, and most findings of each locator in its section."""
@@ -50,6 +51,7 @@ def naming_page(
     *,
     further: Sequence[str] = (),
     first: Sequence[str] = (),
+    other_steps: Section | None = None,
     simulated: SimulatedCount = NOTHING_STATED,
 ) -> str:
     """Return the page of a diagnosis as HTML.
@@ -72,6 +74,8 @@ def naming_page(
     footer : str
     further, first : sequence of str
         Sentences after those of `naming_sentences`, and before them.
+    other_steps : Section, optional
+        How E, nu and mu relate to those of other steps.
     simulated : SimulatedCount
         How many of the trajectories are of simulated recordings.
     """
@@ -79,13 +83,14 @@ def naming_page(
     sentences = [*first, *naming_sentences(naming, located, shown), *further]
     shares = shares_section(located) if located.is_structured else None
     details = [
-        Section("All in words", [("", sentence) for sentence in with_explanations(sentences, STORE_TERMS)]),
+        Section("All in words", with_explanations(sentences, STORE_TERMS)),
         locators_section(located, MOST_FIRST),
         *([shares] if shares is not None else []),
         _what(naming),
         _how(naming, bool(answer.names)),
+        *([other_steps] if other_steps is not None else []),
         better_section(shown),
-        *comparison_sections(naming, located, shown, simulated.heading),
+        *comparison_sections(naming, located, shown),
         *_seen_at_all(naming),
     ]
     if notes:
@@ -96,9 +101,8 @@ def naming_page(
     # what is missing comes first; where nothing is named, what the readings show by themselves does
     claim, *others = _in_short(answer, shown)
     beginning = [claim, *first, *others] if answer.names else [*first, claim, *others]
-    return render_page(
-        title, beginning, sections, footer, simulated, worst_picture(naming, shown, simulated.heading)
-    )  # fmt: skip
+    paragraphs = with_explanations(beginning, STORE_TERMS)
+    return render_page(title, paragraphs, sections, footer, simulated, worst_picture(naming, shown))
 
 
 def _in_short(answer: Answer, shown: HeldOutComparison) -> list[str]:
@@ -167,8 +171,8 @@ def _what(naming: NamingResult) -> Section:
         [candidate.evidence for candidate in ranked],
         [candidate.needed(naming.thresholds) for candidate in ranked],
     )
-    caption = "Evidence of the candidates (dots), and the evidence that a claim of each needs (vertical lines)."
-    picture = Picture(png_bytes(drawn), caption)
+    caption = "Evidence of the candidates, and the evidence that a claim of each needs."
+    picture = panels_of(drawn, caption)
     return Section(
         "What is missing", sentences, columns, [_cells(candidate, naming.thresholds) for candidate in ranked], [picture]
     )
@@ -212,14 +216,16 @@ def _how(naming: NamingResult, is_claimed: bool) -> Section:
     for place, number in enumerate(after or before):
         plain = _value_and_interval(before[place]) if place < len(before) else ("-", "-")
         rows.append((_with_unit(number), *plain, *(_value_and_interval(number) if is_claimed else ())))
-    columns = ("", "plain", "95 % interval", *(("with it", "95 % interval") if is_claimed else ()))
+    columns = ("", "plain", "95 % interval", *((WITH_EFFECT, "95 % interval") if is_claimed else ()))
     # the picture
     moved = [
         Moved(_with_unit(old), _ends(old), _ends(after[place]) if is_claimed else None)
         for place, old in enumerate(before)
     ]
-    caption = "E, nu and mu of the plain simulation and with the effect; bars are 95 % intervals."
-    picture = Picture(png_bytes(draw_movement(moved)), caption if is_claimed else "Bars are 95 % intervals.")
+    caption = (
+        f"E, nu and mu of the plain simulation{' and with the effect' if is_claimed else ''}; bars are 95 % intervals."
+    )
+    picture = panels_of(draw_movement(moved), caption)
     return Section("How the simulation behaves", (), columns, rows, [picture])
 
 

@@ -5,7 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from tactiledata.diagnose.answer.locator_rows import dependence_panel, event_picture, map_picture
+from tactiledata.diagnose.answer.locator_rows import (
+    DEPENDENCE_CAPTION,
+    MAP_CAPTION,
+    dependence_panel,
+    event_picture,
+    map_picture,
+)
 from tactiledata.diagnose.locate.drifts import Drift
 from tactiledata.diagnose.locate.locate import LEVEL, LocatorResults
 from tactiledata.diagnose.naming.name_effects import NamingResult
@@ -25,7 +31,7 @@ from tactiledata.report.naming_plots import (
     draw_overlays,
 )
 from tactiledata.report.page import Picture, Section
-from tactiledata.report.plots import png_bytes
+from tactiledata.report.panels import panels_of
 
 FEW = 3
 """Fewest groups whose rise of the error counts as it is: of two, each is predicted from one alone."""
@@ -153,7 +159,7 @@ MOST_PANELS = 6
 """Most dependences that are drawn."""
 MOST_EVENTS = 3
 """Most events that are drawn."""
-PLAIN, BLACK_BOX = "plain", "black box"
+PLAIN, WITH_EFFECT, BLACK_BOX = "plain", "with the effect", "black box"
 
 
 def better_section(shown: HeldOutComparison) -> Section:
@@ -166,13 +172,11 @@ def better_section(shown: HeldOutComparison) -> Section:
         "The paper's loss is the mean difference between the norms of measured and simulated force. Noise alone gives "
         "the noise floor: the error that noise leaves to a perfect simulation. The gap is the plain error less this."
     )
-    picture = Picture(png_bytes(draw_held_out(_panels(shown))), "Errors on what was held out.")
+    picture = panels_of(draw_held_out(_panels(shown)), "Errors on what was held out.")
     return Section("How much better", [("info", text)], columns, rows, [picture])
 
 
-def comparison_sections(
-    naming: NamingResult, located: LocatorResults, shown: HeldOutComparison, heading: str = ""
-) -> list[Section]:
+def comparison_sections(naming: NamingResult, located: LocatorResults, shown: HeldOutComparison) -> list[Section]:
     """Return the sections with dependences, events, map and trajectories, before and after.
 
     Parameters
@@ -181,21 +185,19 @@ def comparison_sections(
     located : LocatorResults
         Results of the locators on the plain simulation.
     shown : HeldOutComparison
-    heading : str
-        Stands above the picture of trajectories: what kind of recordings they are.
     """
     sections = [
         _dependences(located, shown),
         _events(located, shown),
         _map(located, shown),
-        _overlays(naming, shown, heading),
+        _overlays(naming, shown),
     ]
     return [section for section in sections if section is not None]
 
 
 def _after(shown: HeldOutComparison) -> str:
     """Return what the simulation with effects is called in tables and pictures."""
-    return "with it" if shown.names else "nearest candidate"
+    return WITH_EFFECT if shown.names else "nearest candidate"
 
 
 def _rows(errors: HeldOutErrors, is_claimed: bool) -> list[tuple[str, ...]]:
@@ -247,8 +249,7 @@ def _dependences(located: LocatorResults, shown: HeldOutComparison) -> Section |
     after = None if shown.left_over is None else shown.left_over.projection
     panels = [dependence_panel(located.projection, after, drift) for drift in drawn_drifts[:MOST_PANELS]]
     drawn = draw_dependences(panels, (PLAIN, _after(shown)))
-    caption = "Departure of a parameter by each part of the data alone; bars are standard errors over trajectories."
-    return Section("On what the difference depends", pictures=[Picture(png_bytes(drawn), caption)])
+    return Section("On what the difference depends", pictures=[panels_of(drawn, DEPENDENCE_CAPTION)])
 
 
 def _events(located: LocatorResults, shown: HeldOutComparison) -> Section | None:
@@ -265,7 +266,7 @@ def _events(located: LocatorResults, shown: HeldOutComparison) -> Section | None
         for event in certain
     ]
     caption = "Means over trajectories, less the mean before the event; bands are two standard errors."
-    return Section("About events", pictures=[Picture(png_bytes(draw_event_pairs(pairs)), caption)])
+    return Section("About events", pictures=[panels_of(draw_event_pairs(pairs), caption)])
 
 
 def _map(located: LocatorResults, shown: HeldOutComparison) -> Section | None:
@@ -277,19 +278,16 @@ def _map(located: LocatorResults, shown: HeldOutComparison) -> Section | None:
     if shown.left_over is not None:
         same = [region for region in shown.left_over.maps if region.parameter == first.parameter]
         pictures += [map_picture(region, f", {_after(shown)}") for region in same]
-    caption = "Departures over the gel; dots mark places outside the band of chance."
-    return Section("Over the gel", [("", first.words)], pictures=[Picture(png_bytes(draw_map_pair(pictures)), caption)])
+    return Section("Over the gel", [("", first.words)], pictures=[panels_of(draw_map_pair(pictures), MAP_CAPTION)])
 
 
-def worst_picture(naming: NamingResult, shown: HeldOutComparison, heading: str) -> Picture:
+def worst_picture(naming: NamingResult, shown: HeldOutComparison) -> Picture:
     """Return the picture of the trajectory with the largest error: measured, and simulated without and with effects.
 
     Parameters
     ----------
     naming : NamingResult
     shown : HeldOutComparison
-    heading : str
-        Stands above the picture: what kind of recordings they are.
     """
     with_it = (
         f", and with {joined_names([EFFECTS[name]().title for name in shown.names])} (solid)" if shown.names else ""
@@ -299,14 +297,17 @@ def worst_picture(naming: NamingResult, shown: HeldOutComparison, heading: str) 
         f"(dashed){with_it}. It is predicted by numbers that were fitted to other trajectories."
     )
     drawn = draw_overlays([_overlay(naming, shown, shown.worst(1)[0])])
-    return Picture(png_bytes(drawn, heading=heading), caption)
+    return panels_of(drawn, caption)
 
 
-def _overlays(naming: NamingResult, shown: HeldOutComparison, heading: str) -> Section:
+def _overlays(naming: NamingResult, shown: HeldOutComparison) -> Section:
     """Return the section with the measured and simulated forces of the worst trajectories."""
     pictures = [_overlay(naming, shown, number) for number in shown.worst()]
-    caption = "Gel frame; each trajectory is predicted by numbers that were fitted to others."
-    picture = Picture(png_bytes(draw_overlays(pictures), heading=heading), caption)
+    caption = (
+        "Contact force over time, gel frame. Dots are measured, lines are simulated. Each trajectory is predicted by "
+        "numbers that were fitted to others."
+    )
+    picture = panels_of(draw_overlays(pictures), caption)
     return Section("Trajectories with the largest errors of the plain simulation", pictures=[picture])
 
 

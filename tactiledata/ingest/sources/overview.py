@@ -15,6 +15,7 @@ from tactiledata.contract.take import UNUSABLE, findings_of
 from tactiledata.contract.wording import counted
 from tactiledata.ingest.sources.first_program import first_program
 from tactiledata.report.page import Picture, Section, render_page
+from tactiledata.report.panels import panels_of
 from tactiledata.report.plots import TouchPicture, draw_touches, png_bytes
 from tactiledata.splits.again import command
 from tactiledata.splits.flagged import SHOWN, flagged_in_parts
@@ -58,8 +59,8 @@ def write_report(store: Store, out: Path, split: str = "default", further: Seque
     picture = None
     if touches:
         figure, caption = draw(touches)
-        png = png_bytes(figure, heading=simulated_recordings(store).heading)
-        picture = Picture(png, caption)
+        picture = panels_of(figure, caption)
+        png = png_bytes(figure, heading=simulated_recordings(store).heading, has_legend=True)
         pictures["picture"] = out / "recorded.png"
         write_atomic(pictures["picture"], png)
     write_atomic(pictures["page"], page(store, picture, split, further).encode())

@@ -14,13 +14,13 @@ from tactiledata.ingest.sources import first_program as program_module
 from tactiledata.ingest.sources import overview as module
 from tactiledata.ingest.sources.first_program import first_program
 from tactiledata.ingest.sources.overview import choose_touches, draw, page, touch_picture, write_report
-from tactiledata.report.page import Picture, Section
+from tactiledata.report.page import Panel, Picture, Section
 from tactiledata.report.plots import TouchPicture
 from tactiledata.splits.options import PARTITIONS
 from tactiledata.splits.suggest import Suggestion
 from tests.ingest.made_takes import frames, touch
 
-PNG = Picture(b"png", "caption")
+PNG = Picture(((Panel(b"png", 9),),), "caption")
 
 
 class Samples:
@@ -308,14 +308,15 @@ def test_a_split_that_is_out_of_date_is_drawn_again(monkeypatch):
 
 def test_the_page_is_written_with_its_picture(monkeypatch, tmp_path):
     """The page is written with its picture if there is a touch to be shown, and alone if there is none."""
-    monkeypatch.setattr(module, "page", lambda store, picture, split, further: f"{picture and picture.png} {split}")
+    monkeypatch.setattr(module, "page", lambda store, picture, split, further: f"{picture} {split}")
     monkeypatch.setattr(module, "draw", lambda touches: ("figure", "caption"))
-    monkeypatch.setattr(module, "png_bytes", lambda figure, heading: b"png")
+    monkeypatch.setattr(module, "panels_of", lambda figure, caption: f"{figure} with {caption}")
+    monkeypatch.setattr(module, "png_bytes", lambda figure, heading, has_legend: b"png" * has_legend)
     monkeypatch.setattr(module, "simulated_recordings", lambda store: SimulatedCount())
     monkeypatch.setattr(module, "choose_touches", lambda store: [1])
     found = write_report(Tables(), tmp_path)
     assert found == {"page": tmp_path / "report.html", "picture": tmp_path / "recorded.png"}
-    assert found["page"].read_text() == "b'png' default"
+    assert found["page"].read_text() == "figure with caption default"
     assert found["picture"].read_bytes() == b"png"
     monkeypatch.setattr(module, "choose_touches", lambda store: [])
     assert write_report(Tables(), tmp_path, "mine") == {"page": tmp_path / "report.html"}

@@ -18,7 +18,7 @@ from split_models.transfer.latent_vectors import vectors_by_model
 from split_models.transfer.method_choice import choose_method
 from split_models.transfer.methods import BUNDLED_MODEL, LATENT, transfer_method
 from split_models.transfer.pixels import PIXEL_TRANSFERS
-from split_models.transfer.transfer_picture import sheet, titled
+from split_models.transfer.transfer_picture import differences, sheet, titled
 from tactiledata.sensors.backgrounds import load_background
 from tactiledata.store.read.reader import Store
 
@@ -211,3 +211,20 @@ def test_the_picture_says_that_its_touches_are_simulated(folder, capsys, monkeyp
     code, _, err = run_command(capsys, "transfer", "--to", "ycb-sensorB", "--method", "background-swap")
     assert code == 0, err
     assert titles == ["Touches in the style of ycb-sensorB, by background-swap (simulated recordings)"]
+
+
+def test_differences_are_grey_where_a_touch_is_kept():
+    """A touch that is moved whole leaves grey in the last picture; a lost one shows there."""
+    rng = np.random.default_rng(0)
+    untouched, target = (rng.integers(60, 190, (12, 9, 3)).astype(np.uint8) for _ in range(2))
+    touch = np.zeros((12, 9, 3), np.uint8)
+    touch[4:7, 3:6] = 20
+    kept = differences(untouched, untouched + touch, target + touch, target)
+    assert [picture.min() for _, picture in kept] == [128, 128, 128]
+    assert [int(picture.max()) for _, picture in kept] == [168, 168, 128]
+    _, (_, made), (_, lost) = differences(untouched, untouched + touch, target, target)
+    assert (made == 128).all()
+    assert (lost[touch > 0] == 128 - 40).all()
+    wide = np.zeros((12, 16, 3), np.uint8)
+    assert len(differences(untouched, untouched + touch, wide, wide)) == 2
+    assert differences(untouched, wide, target, target) == []

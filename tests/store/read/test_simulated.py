@@ -12,7 +12,7 @@ from tactiledata.contract.simulated import SimulatedCount, recording_kind
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.ingest.sources.overview import page, touch_picture
 from tactiledata.replay.overview import mesh_sections
-from tactiledata.report.page import Picture
+from tactiledata.report.page import Panel, Picture
 from tactiledata.store.change.merge import merge
 from tactiledata.store.read.overview import overview
 from tactiledata.store.read.reader import Store
@@ -51,7 +51,7 @@ def texts(location):
     return {
         "card": card(Path(location), store.manifest).lower(),
         "README.md": (Path(location) / "README.md").read_text().lower(),
-        "report": page(store, Picture(b"png", "Touches."), "default", mesh_sections(store)).lower(),
+        "report": page(store, Picture(((Panel(b"png", 9),),), "Touches."), "default", mesh_sections(store)).lower(),
     }
 
 

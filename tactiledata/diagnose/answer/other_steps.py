@@ -1,0 +1,102 @@
+"""How E, nu and mu of a diagnosis relate to those of other steps: a recorded world, a replay, the start of the fit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from tactiledata.diagnose.answer.sentences import Answer, material_is_of
+from tactiledata.diagnose.naming.intervals import ProfiledInterval
+from tactiledata.diagnose.naming.name_effects import NamingResult
+from tactiledata.effects import EFFECTS
+from tactiledata.gel.elasticity.material import GelMaterial
+from tactiledata.report.page import Section
+from tactiledata.store.read.reader import Store
+
+
+@dataclass(frozen=True)
+class StatedMaterial:
+    """E, nu and mu as another step states them.
+
+    Parameters
+    ----------
+    step : str
+        Name of the step.
+    material : GelMaterial
+        Its values.
+    words : str
+        Where they come from.
+    """
+
+    step: str
+    material: GelMaterial
+    words: str
+
+
+def materials_of_meshes(store: Store) -> tuple[StatedMaterial, ...]:
+    """Return the materials with which the meshes of a store were made."""
+    return tuple(
+        StatedMaterial(
+            f"mesh {name}",
+            GelMaterial(**store.mesh(name).settings["material"]),
+            "given to the replay, from a calibration or by hand",
+        )
+        for name in store.mesh_names
+    )
+
+
+def other_steps_section(naming: NamingResult, start: GelMaterial, stated: Sequence[StatedMaterial]) -> Section:
+    """Return the section with E, nu and mu of all steps, and why they differ.
+
+    Parameters
+    ----------
+    naming : NamingResult
+        Gives the plain fit, and the fit with the claimed effects.
+    start : GelMaterial
+        Where the fits started.
+    stated : sequence of StatedMaterial
+        Materials of other steps.
+    """
+    decision, claimed = naming.decision, Answer(naming).names
+    began = StatedMaterial("start of the fits", start, "from the Shore A hardness of the gel (Gent's formula)")
+    rows = [_row(one.step, *_values(one.material), one.words) for one in (*stated, began)]
+    plain = naming.base.model.material
+    rows.append(_row("this diagnosis, plain", *_values(plain), "fitted with E free; makes up for missing physics"))
+    text = (
+        "E, nu and mu are fitted numbers. Each step fits them under other conditions, so that they may differ. A "
+        "calibration looks for E inside bounds, and mostly plays fewer trajectories. Where a simulation lacks physics, "
+        "these numbers make up for it; once an effect is named, it explains what they had made up for."
+    )
+    sentences = [("info", text), *(("", words) for words in _beside(stated, naming.intervals_before[:1]))]
+    if claimed and decision.best is not None:
+        titles = " and ".join(EFFECTS[name]().title for name in claimed)
+        fitted = decision.best.fit.model
+        rows.append(_row(f"this diagnosis, with {titles}", *_values(fitted.material), "the value to take for the gel"))
+        sentences += [("", words) for words in material_is_of(fitted.settings)]
+    return Section("E, nu and mu of other steps", sentences, ("step", "E, kPa", "nu", "mu", "where from"), rows)
+
+
+def _values(material: GelMaterial) -> tuple[float, float, float]:
+    """Return E (Pa), nu and mu of a material."""
+    return material.youngs_modulus, material.poisson_ratio, material.friction
+
+
+def _row(step: str, modulus: float, ratio: float, friction: float, words: str) -> tuple[str, ...]:
+    """Return a row of the table."""
+    return step, f"{modulus / 1e3:.0f}", f"{ratio:.3f}", f"{friction:.3f}", words
+
+
+def _beside(stated: Sequence[StatedMaterial], plain: Sequence[ProfiledInterval]) -> list[str]:
+    """Return a sentence on each stated E, held against the 95 % interval of the plain fit."""
+    if not plain:
+        return []
+    low, high = plain[0].low, plain[0].high
+    said = []
+    for one in stated:
+        modulus = one.material.youngs_modulus
+        place = "inside" if low <= modulus <= high else "outside"
+        said.append(
+            f"E of {one.step}, {modulus / 1e3:.0f} kPa, lies {place} the 95 % interval of the plain fit, "
+            f"{low / 1e3:.0f} to {high / 1e3:.0f} kPa."
+        )
+    return said
