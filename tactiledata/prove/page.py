@@ -69,6 +69,7 @@ def proof_page(seal: Mapping[str, Any], score: Mapping[str, Any], proof: Mapping
                 columns=["probability", "answers", "mean probability", "share that is right"],
                 rows=[_chance_row(one) for one in score["probabilities"]["rows"]]),
         Section("E, nu and mu", [("", _material_words(score["material"]))]),
+        Section("Gap", [("", _gap_words(score["gap_closed"]))]),
         Section("What was asked", code=[json.dumps(proof["request"], indent=1)]),
     ]  # fmt: skip
     sections = [
@@ -129,6 +130,16 @@ def _calibration_words(score: Mapping[str, Any]) -> str:
     return (
         f"Expected calibration error: {error:.3f}. It is the mean difference between stated probabilities and shares"
         " that are right; 0 is best."
+    )
+
+
+def _gap_words(found: Mapping[str, Any] | None) -> str:
+    """Return in words which share of the excess over the noise is gone."""
+    if found is None:
+        return "No effect was named rightly."
+    return (
+        f"{100 * found['share']:.0f} % of the excess over the noise is gone on indenters that were held out: the median"
+        f" over {counted(found['count'], 'case')} that a fit named rightly."
     )
 
 
