@@ -167,8 +167,9 @@ def store_touches(
     variants = variants_of(EFFECTS) if options.fidelity == "finite-strain" else ()
     runner = make_scheduler(options.workers, options.scheduler)
     plays = play_touches(
-        measured.mesh, options.fidelity, measured.touches, box, runner, progress, variants, estimates, full
-    )
+        measured.mesh, options.fidelity, measured.touches, box, runner, progress, variants,
+        estimates=estimates, full=full,
+    )  # fmt: skip
     start = GelMaterial(*box.inside(np.array([youngs_modulus_of_shore_a(options.shore_a), 0.475, 0.7])).tolist())
     # trajectories with covariates; those without usable frames are left out
     make = _CaseMaker(measured, StoreFacts(opened), StoreMotion(opened), start, geometry)
