@@ -115,14 +115,14 @@ def test_read_only_it_says_so_and_changes_nothing(case):
 
 @every_writer
 def test_two_at_once_end_the_same(case):
-    """Of two writers at once one ends well, and the other too or by naming it; what they leave is what one leaves."""
+    """Of two writers at once one ends well, the other too or by speaking of it; what they leave is what one leaves."""
     waits = []
     for _ in range(2):
         waits.append(begun(case.write))
         time.sleep(0.02)
     ends = [wait() for wait in waits]
     assert (0, {}) in ends
-    assert all(code == 0 or (code == 1 and "by process" in said["error"]) for code, said in ends), ends
+    assert all(code == 0 or (code == 1 and "process" in said["error"]) for code, said in ends), ends
     case.ends_the_same()
 
 

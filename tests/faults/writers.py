@@ -383,7 +383,7 @@ WRITERS = {
     "replay": Writer(nothing, replay, tiny=True),
     "calibrate": Writer(nothing, calibrate, tiny=True),
     "plant": Writer(nothing, plant, tiny=True),
-    "diagnose": Writer(presses, diagnose),
+    "diagnose": Writer(imported("joblib", before=presses), diagnose),
     "diagnose-store": Writer(imported(*DIAGNOSING, before=played_store), diagnose_store),
     "prove": Writer(imported(*PROVING, before=frozen_tool), prove, same=proved),
 }

@@ -279,7 +279,7 @@ def test_a_folder_that_refuses_is_said(store, monkeypatch, error, words):
 
 
 @pytest.mark.parametrize(
-    ("number", "kind", "words", "never"),
+    ("number", "words", "never"),
     [
         (errno.EROFS, "not writable.*Copy the store", "space"),
         (errno.EACCES, "not writable.*Copy the store", "space"),
