@@ -55,7 +55,7 @@ def test_datasets_reads_what_the_store_holds(encoding, tmp_path):
 
 @pytest.mark.slow
 def test_another_export_of_the_same_name_is_read_anew(tmp_path):
-    """`datasets` caches what it read by the folder's name and its page: another export there is not answered from it."""
+    """The cache of `datasets` goes by the folder's name and its page: another export there is not answered from it."""
     store = split_store(tmp_path / "ds.zarr")
     code = (
         "from datasets import load_dataset\nframes = load_dataset('out', split='train')\n"
