@@ -113,8 +113,18 @@ class Exporter(ABC):
         """Return how many frames do not go out, by reason."""
         return dict(episodes.left_out)
 
-    def front_matter(self, episodes: Episodes, files: Sequence[ExportedFile]) -> str:
-        """Return lines of YAML with which the page for people begins; empty for none."""
+    def front_matter(self, episodes: Episodes, files: Sequence[ExportedFile], key: str) -> str:
+        """Return lines of YAML with which the page for people begins; empty for none.
+
+        Parameters
+        ----------
+        episodes : Episodes
+            What is exported.
+        files : sequence of ExportedFile
+            The large files.
+        key : str
+            Digest of all that decides the bytes.
+        """
         return ""
 
 

@@ -104,7 +104,8 @@ def export_data(
         exporter.finish(episodes, files, facts, place.folder)
         write_tables(episodes, place.folder)
         made = export_document(exporter, episodes, plan, key, split, facts())
-        page = card(made, exporter.title, exporter.snippet(episodes, files), exporter.front_matter(episodes, files))
+        head = exporter.front_matter(episodes, files, key)
+        page = card(made, exporter.title, exporter.snippet(episodes, files), head)
         write_atomic(place.folder / CARD, page.encode())
         check_document({**made, "files": {}}, "export", str(out))
         known = {file.path: _size_and_digest(place, number) for number, file in enumerate(files)}

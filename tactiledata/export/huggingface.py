@@ -100,11 +100,24 @@ class HuggingFaceExporter(Exporter):
         """Return the stream's own name; one that every row uses for something else gets an underscore."""
         return f"{stream}_" if stream in (*OWN, "action") else stream
 
-    def front_matter(self, episodes: Episodes, files: Sequence[ExportedFile]) -> str:
-        """Return the lines that tell `datasets` which files are which split."""
+    def front_matter(self, episodes: Episodes, files: Sequence[ExportedFile], key: str) -> str:
+        """Return the lines that tell `datasets` which files are which split, and which export this is.
+
+        `datasets` caches what it read by the folder's name and these lines, not by the files: without the key, another
+        export of that name would be answered with the rows of the first.
+
+        Parameters
+        ----------
+        episodes : Episodes
+            What is exported.
+        files : sequence of ExportedFile
+            The parquet files.
+        key : str
+            Digest of all that decides the bytes.
+        """
         data_files = [{"split": part, "path": f"data/{part}-*.parquet"} for part in episodes.part_ranges()]
-        document = {"configs": [{"config_name": "default", "data_files": data_files}], "tags": ["tactile"]}
-        return yaml.safe_dump(document, sort_keys=False)
+        config = {"config_name": "default", "description": f"export {key}", "data_files": data_files}
+        return yaml.safe_dump({"configs": [config], "tags": ["tactile"]}, sort_keys=False)
 
     def snippet(self, episodes: Episodes, files: Sequence[ExportedFile]) -> str:
         """Return lines that read the first part."""

@@ -54,6 +54,20 @@ def test_datasets_reads_what_the_store_holds(encoding, tmp_path):
 
 
 @pytest.mark.slow
+def test_another_export_of_the_same_name_is_read_anew(tmp_path):
+    """The cache of `datasets` goes by the folder's name and its page: another export there is not answered from it."""
+    store = split_store(tmp_path / "ds.zarr")
+    code = (
+        "from datasets import load_dataset\nframes = load_dataset('out', split='train')\n"
+        "result = ['action' in frames.column_names, len(frames.filter(lambda row: row['in_split']))]"
+    )
+    export(store, "huggingface", tmp_path / "one" / "out", action="wrench")
+    assert run_program(code, tmp_path / "one", tmp_path / "hf")[0]
+    _, document = export(store, "huggingface", tmp_path / "two" / "out", action="none")
+    assert run_program(code, tmp_path / "two", tmp_path / "hf") == [False, document["parts"]["train"]["in_split"]]
+
+
+@pytest.mark.slow
 def test_the_page_shows_lines_that_run(tiny_store, tmp_path):
     """The lines under Loading run as they stand, and find the frames in contact; the units stand in the schema."""
     import pyarrow.parquet as pq
