@@ -128,7 +128,7 @@ def draw_movement(numbers: Sequence[Moved]) -> Figure:
     for axis, number in zip(axes, numbers, strict=True):
         rows = [("plain", number.before, BEFORE)]
         if number.after is not None:
-            rows.append(("with it", number.after, AFTER))
+            rows.append(("with effect", number.after, AFTER))
         for place, (_, (low, value, high), colour) in enumerate(rows):
             axis.plot([low, high], [place, place], color=colour, linewidth=2)
             axis.plot(value, place, "s", color=colour, markersize=5)

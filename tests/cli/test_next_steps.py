@@ -120,7 +120,7 @@ def test_code_on_pages_runs(store, capsys):
     place, printed = store
     for _ in range(2):
         text = page(Store.open(place), None, "default")
-        run_code(capsys, text, "<pre>(.*?)</pre>")
+        run_code(capsys, text, "<pre[^>]*>(.*?)</pre>")
         run_code(capsys, (place / "README.md").read_text(), "```python\n(.*?)```")
         followed(capsys, printed)
 
@@ -138,7 +138,7 @@ def test_a_split_that_is_out_of_date_has_its_command_on_the_page(tmp_path, capsy
     _, shown, _ = run_command(capsys, "info", place)
     assert STEP.findall(shown) == STEP.findall(printed)
     assert followed(capsys, printed) == ["split", "audit"]
-    [command] = [html.unescape(code) for code in re.findall("<pre>(tactiledata .*?)</pre>", text)]
+    [command] = [html.unescape(code) for code in re.findall("<pre[^>]*>(tactiledata .*?)</pre>", text)]
     assert command in printed.replace("\n", " ")
 
 

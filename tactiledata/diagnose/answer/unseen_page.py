@@ -319,6 +319,6 @@ def _overlay(naming: NamingResult, shown: HeldOutComparison, number: int) -> Ove
     if shown.names:
         simulated[_after(shown)] = errors.after[rows][:, FORCE]
     name = case.name or str(number)
-    title = f"{name}, {white.touch_set.indenters[number]}: {errors.by_trajectory[number]:.2f} N"
+    title = f"{name}, {white.touch_set.indenters[number]}: error {errors.by_trajectory[number]:.2f} N"
     seconds = case.touch.seconds - case.touch.seconds[0]
     return OverlayPicture(title, seconds, case.measured[:, FORCE], simulated)
