@@ -146,8 +146,10 @@ def png_bytes(figure: Figure, dots_per_inch: int = 110, heading: str = "", has_l
     if has_legend:
         labelled = [axes.get_legend_handles_labels() for axes in figure.axes]
         by_label = {label: handle for pair in labelled for handle, label in zip(*pair, strict=True)}
-        place = {"loc": "outside lower center", "ncols": 4, "fontsize": 8, "frameon": False, "markerscale": 2}
-        figure.legend(by_label.values(), by_label.keys(), **place)
+        figure.legend(
+            by_label.values(), by_label.keys(), loc="outside lower center",
+            ncols=4, fontsize=8, frameon=False, markerscale=2,
+        )  # fmt: skip
     stream = io.BytesIO()
     figure.savefig(stream, format="png", dpi=dots_per_inch, metadata={"Software": None})
     return stream.getvalue()
