@@ -134,6 +134,7 @@ def told(folder: Path, owners: Path | None, with_cluster: bool) -> None:
     environment = {
         **os.environ,
         "OMP_NUM_THREADS": "1",
+        "HF_HOME": str(folder / "hf"),
         "HF_HUB_OFFLINE": "1",
         "TACTILEDATA_CACHE": str(folder / "cache"),
         "PYTHONPATH": os.pathsep.join(path),
