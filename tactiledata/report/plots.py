@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -146,7 +146,13 @@ def png_bytes(figure: Figure, dots_per_inch: int = 110, heading: str = "", has_l
     if has_legend:
         labelled = [axes.get_legend_handles_labels() for axes in figure.axes]
         by_label = {label: handle for pair in labelled for handle, label in zip(*pair, strict=True)}
-        place = {"loc": "outside lower center", "ncols": 4, "fontsize": 8, "frameon": False, "markerscale": 2}
+        place: dict[str, Any] = {
+            "loc": "outside lower center",
+            "ncols": 4,
+            "fontsize": 8,
+            "frameon": False,
+            "markerscale": 2,
+        }
         figure.legend(by_label.values(), by_label.keys(), **place)
     stream = io.BytesIO()
     figure.savefig(stream, format="png", dpi=dots_per_inch, metadata={"Software": None})
