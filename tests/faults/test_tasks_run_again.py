@@ -37,7 +37,7 @@ def test_replacing_loses_nothing(tmp_path, monkeypatch):
     corrected_logs(tmp_path)
     alone, again = (copy_tree(tmp_path / "ds.zarr", tmp_path / name) for name in ("alone.zarr", "again.zarr"))
     ingest([tmp_path / "logs"], alone, replace=True)
-    workers = DyingWorkers(20)
+    workers = DyingWorkers(4)
     monkeypatch.setattr("tactiledata.ingest.pipeline.make_scheduler", lambda *given: workers)
     done = ingest([tmp_path / "logs"], again, replace=True)
     assert workers.killed == 2
