@@ -131,7 +131,7 @@ def _put_surface(log: TouchLog, mesh: StoredMesh, rows: Indices, t_ns: Times, ha
             under = pressed[number]
             points = (vertices[pad.corners] + moved[corners])[under].astype(np.float32)
             log.put(PRESSED, rr.Points3D(points, colors=[PRESSED_COLOUR], radii=[PRESSED_RADIUS]))
-        log.stream.flush()
+        log.flush()
 
 
 def _largest_move(mesh: StoredMesh, rows: Indices) -> float:

@@ -113,7 +113,7 @@ def _put_camera(
             mask = np.where(seen.is_contact & seen.mask, CONTACT_CLASS, 0).astype(np.uint8)
             log.put(f"{entity}/{CONTACT}", rr.SegmentationImage(mask))
         # what is written leaves the memory before more is read
-        log.stream.flush()
+        log.flush()
     missing = []
     if background is None:
         missing.append(

@@ -40,10 +40,6 @@ from tactiledata.view.touch import TouchReader, ViewedTouch
 from tactiledata.view.touch_log import TouchLog
 
 SUFFIX = ".rrd"
-WRITER = "File-writer"
-"""What rerun's errors of its thread that writes speak of."""
-MORE_BYTES = 65536
-"""Bytes that a disk is asked to take where rerun could not write."""
 LOCK = "lock"
 """A file that is locked as long as its folder is written to; the system frees it when the process dies."""
 
@@ -158,13 +154,12 @@ def write_view(
         for done, row in enumerate(rows, start=1):
             touch = reader.touch(row)
             part = folder / f"{done:06d}{SUFFIX}"
-            shown.append(_write_part(part, out, store, touch, mesh, options))
+            shown.append(_write_part(part, store, touch, mesh, options))
             parts.append(part)
             if progress is not None:
                 progress(done, len(rows), touch.name)
         layout = folder / "panes.rbl"
-        with _errors_of_writing(layout, out):
-            _write_layout(layout, store, shown)
+        _write_layout(layout, store, shown)
         # the viewer shows what it read last
         _join([layout, *reversed(parts)], folder / "joined.rrd", out)
     return _report(out, shown, found, mesh)
@@ -191,10 +186,8 @@ def _application(store: Store) -> str:
     return re.sub(r"[^A-Za-z0-9_-]+", "-", f"tactiledata-{Path(store.location).stem}")[:60]
 
 
-def _write_part(
-    part: Path, out: Path, store: Store, touch: ViewedTouch, mesh: StoredMesh | None, options: ViewOptions
-) -> _Shown:
-    """Write the rerun recording of one trajectory into a file of its own, a part of ``out``."""
+def _write_part(part: Path, store: Store, touch: ViewedTouch, mesh: StoredMesh | None, options: ViewOptions) -> _Shown:
+    """Write the rerun recording of one trajectory into a file of its own."""
     rr = load_rerun()
     made = provenance("view", {"store": store.digest}, {**vars(options), "names": list(options.names)})
     identity = digest_of([touch.uid, made, None if mesh is None else mesh.facts["digest"]])
@@ -202,11 +195,10 @@ def _write_part(
     # times of writing would be a third time line
     stream.set_log_time_enabled(False)
     stream.set_log_tick_enabled(False)
-    stream.save(str(part))
     try:
-        with _errors_of_writing(part, out):
+        with part.open("wb") as file:
+            log = TouchLog(stream, touch, file)
             stream.send_recording_name(touch.title)
-            log = TouchLog(stream, touch)
             cameras, missing, pictures = put_pictures(log, store, options)
             gel = put_gel(log, store, mesh, options)
             without_curves, curves = put_curves(log, store, mesh)
@@ -214,39 +206,10 @@ def _write_part(
             words = about(touch, store.location, mesh, gel.largest_move, missing)
             log.put_static(ABOUT, rr.TextDocument(words, media_type="text/markdown"))
             stream.send_property("tactiledata", _properties(touch, store, made))
-            stream.flush()
+            log.flush()
     finally:
-        with _errors_of_writing(part, out):
-            stream.disconnect()
+        stream.disconnect()
     return _Shown(touch, cameras, curves, pictures, gel.meshes, missing)
-
-
-@contextmanager
-def _errors_of_writing(part: Path, out: Path) -> Iterator[None]:
-    """Turn the errors of rerun's thread that writes a part of a file into one of ours.
-
-    rerun does not say why it could not write; so the system is asked to take some more bytes.
-    """
-    try:
-        yield
-    except RuntimeError as error:
-        why = str(error) if WRITER in str(error) else ""
-        try:
-            part.with_suffix(".more").write_bytes(bytes(MORE_BYTES))
-        except OSError as refusal:
-            why = refusal.strerror or str(error)
-        if not why:
-            raise
-        raise _unwritten(out, why) from error
-
-
-def _unwritten(out: Path, why: str) -> StoreError:
-    """Return the error for a file that could not be written."""
-    return StoreError(
-        f"{out} could not be written: {why}",
-        "a folder with free space that may be written",
-        "Free some space, or name another place with --out.",
-    )
 
 
 def _properties(touch: ViewedTouch, store: Store, made: dict[str, Any]) -> Any:
@@ -278,7 +241,11 @@ def _join(parts: Collection[Path], joined: Path, out: Path) -> None:
     # with CI set, rerun's program does not report its use
     done = subprocess.run(command, capture_output=True, text=True, check=False, env={**os.environ, "CI": "true"})
     if done.returncode or not joined.is_file():
-        raise _unwritten(out, done.stderr.strip()[-300:])
+        raise StoreError(
+            f"{out} could not be written: {done.stderr.strip()[-300:]}",
+            "a folder with free space that may be written",
+            "Free some space, or name another place with --out.",
+        )
     with joined.open("rb+") as stream:
         os.fsync(stream.fileno())
     joined.replace(out)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -27,10 +27,23 @@ class TouchLog:
     ----------
     stream : rerun.RecordingStream
     touch : ViewedTouch
+    file : BinaryIO
+        Receives the encoded recording. rerun's own thread that writes a file waits for ever where a disk is full.
     """
 
-    def __init__(self, stream: Any, touch: ViewedTouch) -> None:
+    def __init__(self, stream: Any, touch: ViewedTouch, file: BinaryIO) -> None:
         self.stream, self.touch, self._rr = stream, touch, load_rerun()
+        self._encoded, self._file = stream.binary_stream(), file
+
+    def flush(self) -> None:
+        """Write all that was put so far to the file; it leaves the memory.
+
+        Raises
+        ------
+        OSError
+            The disk is full.
+        """
+        self._file.write(self._encoded.read() or b"")
 
     def at(self, t_ns: int) -> None:
         """What is put from now on belongs to a moment, ns, host clock."""

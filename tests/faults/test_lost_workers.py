@@ -16,7 +16,7 @@ from failing_writers import files
 from generators import folder_log
 from replay.coarse import options
 from sealed_proofs import REQUEST, said, sealed_proof
-from writers import small_world
+from writers import corrected_logs, small_world
 
 from tactiledata.compute import make_scheduler
 from tactiledata.errors import TactileDataError
@@ -77,6 +77,24 @@ def test_replay_loses_nothing(cluster, tiny_store, tmp_path, monkeypatch):
     replay(alone, options())
     replay(together, options(), scheduler=cluster.scheduler_address, progress=killing(cluster, killed))
     assert len(killed) == 2
+    assert files(together) == files(alone)
+
+
+def test_replacing_loses_nothing(cluster, tmp_path):
+    """A worker is killed while recordings are read again: they are replaced as one process would have it."""
+    corrected_logs(tmp_path)
+    killed = []
+    alone, together = (copy_tree(tmp_path / "ds.zarr", tmp_path / name) for name in ("alone.zarr", "cluster.zarr"))
+    ingest([tmp_path / "logs"], alone, replace=True)
+    done = ingest(
+        [tmp_path / "logs"],
+        together,
+        scheduler=cluster.scheduler_address,
+        progress=killing(cluster, killed, 1),
+        replace=True,
+    )
+    assert len(killed) == 1
+    assert {source.state for source in done.sources} == {"replaced", "present"}
     assert files(together) == files(alone)
 
 

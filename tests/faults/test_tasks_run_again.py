@@ -7,15 +7,12 @@ from functools import partial
 
 import numpy as np
 import pytest
-from copied_trees import copy_tree
-from failing_writers import files, is_killed
+from failing_writers import is_killed
 from small_plays import PAD, press
-from writers import corrected_logs
 
 from tactiledata.calibrate.bounds import find_bounds
 from tactiledata.compute.base import Scheduler, attempt
 from tactiledata.diagnose.touches.play_grid import play_touches
-from tactiledata.ingest.pipeline import ingest
 
 pytestmark = pytest.mark.slow
 
@@ -30,19 +27,6 @@ class DyingWorkers(Scheduler):
         for task in tasks:
             self.killed += is_killed(partial(attempt, function, task), int(self.rng.integers(self.moments)))
             yield attempt(function, task)
-
-
-def test_replacing_loses_nothing(tmp_path, monkeypatch):
-    """Recordings whose workers died while they were read again are replaced as if none had died."""
-    corrected_logs(tmp_path)
-    alone, again = (copy_tree(tmp_path / "ds.zarr", tmp_path / name) for name in ("alone.zarr", "again.zarr"))
-    ingest([tmp_path / "logs"], alone, replace=True)
-    workers = DyingWorkers(20)
-    monkeypatch.setattr("tactiledata.ingest.pipeline.make_scheduler", lambda *given: workers)
-    done = ingest([tmp_path / "logs"], again, replace=True)
-    assert workers.killed == 2
-    assert {source.state for source in done.sources} == {"replaced", "present"}
-    assert files(again) == files(alone)
 
 
 def test_a_diagnosis_loses_no_play(tmp_path, monkeypatch):
