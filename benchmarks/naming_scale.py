@@ -24,14 +24,17 @@ from naming_summary import of_nulls
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from tactiledata.diagnose.naming.decide import needed_of
 from tactiledata.diagnose.naming.evidence import ScoredCandidate
 from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS, DecisionThresholds
 from tactiledata.prove.cases.kinds import LEAST_SIGNAL
+from tactiledata.prove.score.outcome import CLAIMS
 
 Array = NDArray[np.float64]
 Case = dict[str, Any]
-FITTED = ("evidence_slope", "objection_cost", "log_odds_nothing", "log_odds_unlisted")
+POSITIVE = ("evidence_slope", "unclaimed_cost")
+"""Numbers of the scale whose logarithms are fitted."""
+ODDS = ("log_odds_nothing", "log_odds_nothing_beside_structure")
+"""Numbers of the scale that are fitted as they are."""
 EVERYWHERE = frozenset({"sensor_drift"})
 """What every world of the rig has a little of."""
 EDGES = (0.0, 0.5, 0.8, 0.95, 1.01)
@@ -46,14 +49,14 @@ class Considered:
     ----------
     beyond : (c,)
         Evidence beyond what a claim needs.
-    is_objected : (c,) bool
+    is_claimed : (c,) bool
     right : places of what should be said
     at_large : float
         Mean square of what is left.
     """
 
     beyond: Array
-    is_objected: NDArray[np.bool_]
+    is_claimed: NDArray[np.bool_]
     right: tuple[int, ...]
     at_large: float
 
@@ -63,18 +66,16 @@ class Considered:
         told = case["candidates"]
         names = [frozenset(one["effects"]) for one in told]
         judged = [judged_of(one) for one in told]
-        singles = [one for one in judged if len(one.names) == 1]
         thresholds = thresholds_of(case)
-        objected = [
-            bool(one.objections(thresholds)) or (len(one.names) == 2 and needed_of(one, singles, thresholds) is not one)
-            for one in judged
-        ]
+        claimed = frozenset(case["names"] if case["verdict"] in CLAIMS else ())
+        in_set = {claimed, *(frozenset([name]) for name in case["set"])} if claimed else set()
         beyond = np.array([one.share_of_need(thresholds) for one in judged])
-        return Considered(beyond, np.array(objected, dtype=bool), _right(case, names), case["at_large"])
+        is_claimed = np.array([one in in_set for one in names], dtype=bool)
+        return Considered(beyond, is_claimed, _right(case, names), case["at_large"])
 
     def shares(self, scale: DecisionThresholds) -> Array:
         """Probabilities (c + 2,)."""
-        return scale.shares(self.beyond, self.is_objected, self.at_large > scale.structure_dispersion)
+        return scale.shares(self.beyond, self.is_claimed, self.at_large > scale.structure_dispersion)
 
 
 def thresholds_of(case: Case) -> DecisionThresholds:
@@ -94,7 +95,8 @@ def _right(case: Case, names: Sequence[frozenset[str]]) -> tuple[int, ...]:
     nothing, other = len(names), len(names) + 1
     is_shown = case["signal"] >= LEAST_SIGNAL and bool(case["truth"])
     if not is_shown or hidden <= frozenset(case["zeros"]):
-        return (nothing,)
+        # errors of the solver are in no catalogue, and they are there
+        return nothing, other
     found = tuple(place for place, one in enumerate(names) if hidden <= one and one - hidden <= EVERYWHERE)
     return found or (other,)
 
@@ -127,14 +129,16 @@ def judged_of(told: dict[str, Any]) -> ScoredCandidate:
 def fitted(cases: Sequence[Case]) -> DecisionThresholds:
     """The scale of probabilities that fits the cases."""
 
-    def at(logs: np.ndarray) -> DecisionThresholds:
-        return replace(DEFAULT_THRESHOLDS, **dict(zip(FITTED, np.exp(logs).tolist(), strict=True)))
+    def at(values: np.ndarray) -> DecisionThresholds:
+        numbers = [*np.exp(values[: len(POSITIVE)]).tolist(), *values[len(POSITIVE) :].tolist()]
+        return replace(DEFAULT_THRESHOLDS, **dict(zip((*POSITIVE, *ODDS), numbers, strict=True)))
 
-    start = np.log([getattr(DEFAULT_THRESHOLDS, name) for name in FITTED])
+    now = [[getattr(DEFAULT_THRESHOLDS, name) for name in names] for names in (POSITIVE, ODDS)]
+    start = np.concatenate([np.log(now[0]), now[1]])
     # a weak pull to the estimates: few cases leave what they do not tell where it is
     told = [Considered.of(case) for case in cases]
     found = minimize(
-        lambda logs: cost(told, at(logs)) + 0.01 * float(((logs - start) ** 2).sum()), start, method="Powell"
+        lambda values: cost(told, at(values)) + 0.01 * float(((values - start) ** 2).sum()), start, method="Powell"
     )
     return at(found.x)
 
@@ -152,10 +156,19 @@ def held_out_cost(cases: Sequence[Case], folds: int = 4) -> float:
     return float(np.average(costs, weights=np.bincount(dealt)))
 
 
+def _likeliest(case: Considered, shares: Array) -> tuple[float, bool]:
+    """Probability of the likeliest candidate, or of no known effect where that is likelier; and whether it is right."""
+    unknown = float(shares[-2:].sum())
+    best = int(shares[:-2].argmax()) if len(shares) > 2 else -1
+    if best < 0 or unknown >= shares[best]:
+        return unknown, len(shares) - 2 in case.right
+    return float(shares[best]), best in case.right
+
+
 def reliability(cases: Sequence[Considered], scale: DecisionThresholds) -> list[tuple[str, int, float, float]]:
     """Of the likeliest answers: between which probabilities, how many, their mean probability, share that is right."""
     shares = [one.shares(scale) for one in cases]
-    told = [(float(each.max()), int(each.argmax()) in one.right) for one, each in zip(cases, shares, strict=True)]
+    told = [_likeliest(one, each) for one, each in zip(cases, shares, strict=True)]
     rows = []
     for low, high in itertools.pairwise(EDGES):
         inside = [(chance, is_right) for chance, is_right in told if low <= chance < high]
@@ -183,7 +196,7 @@ def main() -> None:
     most = float(np.quantile([case["at_large"] for case in nulls], 0.99))
     in_use = DEFAULT_THRESHOLDS.structure_dispersion
     print(f"mean square that nulls leave at large, 99 of 100: {most:.3g} (in use {in_use:g})")
-    for name in FITTED:
+    for name in (*POSITIVE, *ODDS):
         print(f"{name}: {getattr(DEFAULT_THRESHOLDS, name):.3g} -> {getattr(scale, name):.3g}")
     print(f"mean -log p of what is right: {cost(told, DEFAULT_THRESHOLDS):.3f} -> {cost(told, scale):.3f}")
     print(f"the same of cases by a scale that was fitted to others: {held_out_cost(cases):.3f}")

@@ -14,7 +14,7 @@ structure
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -92,7 +92,7 @@ def decide(
     left: RemainingStructure,
     thresholds: DecisionThresholds,
 ) -> Decision:
-    """Return the answer to which effect the simulation lacks.
+    """Return the answer to which effect the simulation lacks, with probabilities.
 
     Parameters
     ----------
@@ -107,8 +107,28 @@ def decide(
     thresholds : DecisionThresholds
         What a claim needs.
     """
+    decision = _decided(singles, pairs, gains, metric, left, thresholds)
+    candidates = [*singles, *pairs]
+    in_set = {decision.claimed, *((tie.name,) for tie in decision.ties)} if decision.claimed else set()
+    shares = thresholds.shares(
+        np.array([one.share_of_need(thresholds) for one in candidates]),
+        np.array([one.names in in_set for one in candidates], dtype=bool),
+        left.is_structure(thresholds),
+    )
+    labels = [*(candidate.label for candidate in candidates), NONE, OTHER]
+    return replace(decision, probabilities=dict(zip(labels, shares.tolist(), strict=True)))
+
+
+def _decided(
+    singles: Sequence[ScoredCandidate],
+    pairs: Sequence[ScoredCandidate],
+    gains: dict[str, Array],
+    metric: RandomEffects,
+    left: RemainingStructure,
+    thresholds: DecisionThresholds,
+) -> Decision:
+    """Answer without probabilities; the parameters are those of `decide`."""
     is_left = left.is_structure(thresholds)
-    chances = _probabilities(singles, pairs, thresholds, is_left)
     # candidates in the order of their evidence beyond what errors of the simulation can bring
     ranked = sorted(singles, key=lambda single: -single.beyond(thresholds))
     # the first single without objections, unless one that is objected to has far more beyond
@@ -126,7 +146,7 @@ def decide(
     is_small = best is not None and best.excess_share < thresholds.cause_share(best.names)
     if best is not None and is_more_than_noise and is_small and not best.is_decisive(thresholds):
         return Decision(
-            Verdict.NOT_EXPLAINED, best, (), chances,
+            Verdict.NOT_EXPLAINED, best, (), {},
             (
                 f"only {100 * best.excess_share:.0f} % of the excess over the noise is gone, and more than the noise"
                 " is left",
@@ -137,7 +157,7 @@ def decide(
     crowd = [] if best is None or len(best.names) > 1 else _crowd(best, ranked, thresholds)
     if best is not None and crowd:
         reason = f"{len(crowd)} other effects explain nearly as much: these data do not say which it is"
-        return Decision(Verdict.NOT_EXPLAINED, best, (), chances, (reason,), left, True)
+        return Decision(Verdict.NOT_EXPLAINED, best, (), {}, (reason,), left, True)
     # no name where the data show more of an effect that cannot be claimed
     outweighing = None if best is None else _outweighing(best, ranked, thresholds)
     if best is not None and outweighing is not None:
@@ -145,22 +165,22 @@ def decide(
             f"the evidence of {outweighing.label} is {outweighing.evidence:.0f}, that of {best.label}"
             f" {best.evidence:.0f}, and {outweighing.label} cannot be claimed"
         )
-        return Decision(Verdict.NOT_EXPLAINED, best, (), chances, (reason,), left, True)
+        return Decision(Verdict.NOT_EXPLAINED, best, (), {}, (reason,), left, True)
     # a claim; ties of a pair need further refits and follow in `ties.ties_of_two`
     if best is not None:
         ties = ties_of_one(best, ranked, gains, metric, thresholds) if len(best.names) == 1 else ()
-        return Decision(claim_verdict(is_left, left, thresholds), best, ties, chances, (), left, is_left)
+        return Decision(claim_verdict(is_left, left, thresholds), best, ties, {}, (), left, is_left)
     # no claim: structure, a trace, or nothing
     hint = ranked[0] if ranked else None
     objections = hint.objections(thresholds) if hint is not None else ()
     if is_left or any(single.is_structure(thresholds) for single in singles):
-        return Decision(Verdict.NOT_EXPLAINED, hint, (), chances, objections, left, is_left)
+        return Decision(Verdict.NOT_EXPLAINED, hint, (), {}, objections, left, is_left)
     trace = next((single for single in ranked if single.is_trace(thresholds)), None)
     if trace is not None:
         ties = ties_of_one(trace, ranked, gains, metric, thresholds)
         objections = trace.objections(thresholds)
-        return Decision(Verdict.BELOW_DETECTION, trace, ties, chances, objections, left, is_left)
-    return Decision(Verdict.NOTHING_FOUND, hint, (), chances, objections, left, is_left)
+        return Decision(Verdict.BELOW_DETECTION, trace, ties, {}, objections, left, is_left)
+    return Decision(Verdict.NOTHING_FOUND, hint, (), {}, objections, left, is_left)
 
 
 def needed_of(
@@ -245,23 +265,3 @@ def _outweighing(
         and (thresholds.is_resembled(best.names) or EFFECTS[one.names[0]].slot in slots)
     ]
     return max(more, key=_evidence, default=None)
-
-
-def _probabilities(
-    singles: Sequence[ScoredCandidate],
-    pairs: Sequence[ScoredCandidate],
-    thresholds: DecisionThresholds,
-    is_left: bool,
-) -> dict[str, float]:
-    """Probability of each candidate by its label, of ``NONE`` and of ``OTHER``; they sum to 1."""
-    objected = [bool(single.objections(thresholds)) for single in singles]
-    objected += [
-        bool(pair.objections(thresholds)) or needed_of(pair, singles, thresholds) is not pair for pair in pairs
-    ]
-    candidates = [*singles, *pairs]
-    shares = thresholds.shares(
-        np.array([one.share_of_need(thresholds) for one in candidates]),
-        np.array(objected, dtype=bool),
-        is_left,
-    )
-    return dict(zip([*(candidate.label for candidate in candidates), NONE, OTHER], shares.tolist(), strict=True))

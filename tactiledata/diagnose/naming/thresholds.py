@@ -136,10 +136,11 @@ class DecisionThresholds:
         own evidence alone and less than this share of the first one's.
     evidence_slope : float
         Log-odds of a candidate per unit of evidence beyond what it needs.
-    objection_cost : float
-        Log-odds that a candidate loses if it has an objection, or if it is a pair of which one effect suffices.
-    log_odds_nothing : float
-        Log-odds of "nothing is missing", relative to a candidate that has just the evidence that it needs.
+    unclaimed_cost : float
+        Log-odds that a candidate loses if the answer neither claims it nor ties it with a claim.
+    log_odds_nothing, log_odds_nothing_beside_structure : float
+        Log-odds that no known effect is missing, relative to a claim that has just the evidence that it needs; where
+        the residual has no structure, and where it has.
     log_odds_unlisted : float
         Log-odds of an effect outside the catalogue, relative to "nothing is missing", where the residual has
         structure; minus that number where it has none.
@@ -176,9 +177,10 @@ class DecisionThresholds:
     wider_lead: float = 2.0
     second_share: float = 0.1
     remainder_share: float = 0.6
-    evidence_slope: float = 0.1
-    objection_cost: float = 5.0
-    log_odds_nothing: float = 0.0
+    evidence_slope: float = 0.02
+    unclaimed_cost: float = 4.75
+    log_odds_nothing: float = -1.9
+    log_odds_nothing_beside_structure: float = -3.0
     log_odds_unlisted: float = 3.0
 
     def for_data(self, trajectories: int, precision: float = 1.0) -> DecisionThresholds:
@@ -239,25 +241,27 @@ class DecisionThresholds:
         """
         return max(self.tie_evidence * self.growth(names), self.tie_share * evidence)
 
-    def shares(self, beyond: Array, is_objected: Mask, is_left: bool) -> Array:
+    def shares(self, beyond: Array, is_claimed: Mask, is_left: bool) -> Array:
         """Return probabilities (c + 2,) of c candidates, then of nothing, then of an effect outside the catalogue.
 
         They are the softmax of log-odds: ``evidence_slope`` times the evidence beyond what the candidate needs, over
-        `growth`, less ``objection_cost`` where something speaks against it; ``log_odds_nothing`` for nothing;
-        ``log_odds_nothing`` plus or minus ``log_odds_unlisted`` for an effect outside the catalogue.
+        `growth`, less ``unclaimed_cost`` where it is not in the answer's set. Nothing and an effect outside the catalogue
+        share the odds of ``log_odds_nothing``, or of ``log_odds_nothing_beside_structure``, as ``log_odds_unlisted``
+        says.
 
         Parameters
         ----------
         beyond : (c,)
             Evidence of each candidate less the evidence that it needs, over its growth.
-        is_objected : (c,) bool
-            Whether the candidate has an objection, or is a pair of which one effect suffices.
+        is_claimed : (c,) bool
+            Whether the answer claims the candidate, or ties it with a claim.
         is_left : bool
             Whether the best fit leaves structure.
         """
-        odds = self.evidence_slope * beyond - self.objection_cost * is_objected
-        other = self.log_odds_nothing + (self.log_odds_unlisted if is_left else -self.log_odds_unlisted)
-        values = np.concatenate([odds, [self.log_odds_nothing, other]])
+        odds = self.evidence_slope * beyond - self.unclaimed_cost * ~is_claimed
+        unknown = self.log_odds_nothing_beside_structure if is_left else self.log_odds_nothing
+        unlisted = self.log_odds_unlisted if is_left else -self.log_odds_unlisted
+        values = np.concatenate([odds, [unknown - np.logaddexp(0.0, unlisted), unknown - np.logaddexp(0.0, -unlisted)]])
         # the largest exponent is 0: nothing overflows
         shares: Array = np.exp(values - values.max())
         return shares / shares.sum()

@@ -126,20 +126,18 @@ class ScoredCase:
 
     @property
     def probability(self) -> tuple[float, bool]:
-        """Probability of the likeliest answer, and whether that answer is right."""
+        """Probability of the likeliest statement, and whether that is right.
+
+        A statement is that a candidate is missing, or that no known effect is: nothing, or one outside the catalogue.
+        """
         shares: Mapping[str, float] = self.answer["probabilities"]
-        if not shares:
-            return 1.0, not self.truth and self.kind != OUTSIDE
-        label = max(shares, key=lambda key: shares[key])
-        if self.kind == OUTSIDE:
-            return float(shares[label]), label == OTHER
-        if self.kind == NULLS:
-            # errors of the solver are in no catalogue: that they are there is true
-            return float(shares[label]), label in (NONE, OTHER)
-        # weaker than what can be seen counts as nothing
-        weak = self.kind == DRAWN and self.signal < LEAST_SIGNAL
-        right = {NONE} if not self.truth or weak else {" + ".join(sorted(self.truth))}
-        return float(shares[label]), (label if label == NONE else " + ".join(sorted(label.split(" + ")))) in right
+        unknown = shares.get(NONE, 0.0) + shares.get(OTHER, 0.0) if shares else 1.0
+        label = max(shares.keys() - {NONE, OTHER}, key=lambda key: shares[key], default="")
+        if not label or unknown >= shares[label]:
+            # weaker than what can be seen counts as nothing, and what readings show needs no fit
+            weak = self.kind == DRAWN and self.signal < LEAST_SIGNAL
+            return float(unknown), weak or self.truth <= set(self.answer["zeros"])
+        return float(shares[label]), frozenset(label.split(" + ")) == self.truth
 
     @property
     def claimed(self) -> Mapping[str, Any] | None:

@@ -317,6 +317,8 @@ def test_probabilities_sum_to_one_and_grow_with_evidence():
     assert (np.diff([chance[NONE] for chance in chances]) < 0).all()
     odd = decided([candidate(EASY, 3.0, implausible=("lag delay = 3 s",))]).probabilities
     assert odd[EASY] < chances[-1][EASY]
+    # what is not claimed is not likelier than what is, whatever its evidence
+    assert max(chances[0][EASY], odd[EASY]) < 0.5 < min(chance[EASY] for chance in chances[1:])
     # of much evidence nothing overflows
     assert decided([candidate(EASY, 1e6)]).probabilities[EASY] == pytest.approx(1.0)
 
