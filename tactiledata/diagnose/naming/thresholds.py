@@ -245,9 +245,9 @@ class DecisionThresholds:
         """Return probabilities (c + 2,) of c candidates, then of nothing, then of an effect outside the catalogue.
 
         They are the softmax of log-odds: ``evidence_slope`` times the evidence beyond what the candidate needs, over
-        `growth`, less ``unclaimed_cost`` where it is not in the answer's set. Nothing and an effect outside the catalogue
-        share the odds of ``log_odds_nothing``, or of ``log_odds_nothing_beside_structure``, as ``log_odds_unlisted``
-        says.
+        `growth`, less ``unclaimed_cost`` where it is not in the answer's set. Nothing and an effect outside the
+        catalogue share the odds of ``log_odds_nothing``, or of ``log_odds_nothing_beside_structure``, as
+        ``log_odds_unlisted`` says.
 
         Parameters
         ----------
