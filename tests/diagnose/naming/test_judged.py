@@ -174,8 +174,8 @@ def test_another_that_can_be_claimed_is_a_tie_within_the_margin():
         other = with_evidence(OTHER_EASY, MUCH - behind * margin, change=along(1))
         found = decided([other, best])
         assert (found.claimed, tie_names(found)) == ((EASY,), ties)
-        # a member of the set is about as likely as what is claimed
-        assert (found.probabilities[OTHER_EASY] > 0.1) == bool(ties)
+        # beside its evidence, it costs nothing to be in the set
+        assert (found.probabilities[OTHER_EASY] > 1e-3) == bool(ties)
     odd = with_evidence(OTHER_EASY, MUCH, change=along(0), implausible=("x = 3 s",))
     assert tie_names(decided([best, odd])) == []
     # the margin of little evidence is a number, of much a share
