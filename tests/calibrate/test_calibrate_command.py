@@ -39,7 +39,8 @@ def test_the_command_on_a_recorded_world(tiny_store, tmp_path, capsys, monkeypat
     assert "95 % interval" in printed
     first = out.read_bytes()
     page = (tmp_path / "calibration.html").read_text()
-    assert page.count("data:image/png") == 3
+    # four trajectories; two maps; residuals over force and their counts
+    assert page.count("data:image/png") == 4 + 2 + 2
     assert page.count("Simulated recordings.</figcaption>") == 3
     assert "<h1>Calibration of the gel (simulated recordings)</h1>" in page
     assert "Simulated recordings: all " in printed

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from tables import presses
 
 from tactiledata.contract.schema import check_document
+from tactiledata.diagnose.answer.formula_page import DEPENDENCE_CAPTION
 from tactiledata.diagnose.formula.terms import atoms
 from tactiledata.diagnose.table import diagnose_table, write_diagnosis
 from tactiledata.diagnose.table_input.columns import columns_of, split_unit
@@ -370,7 +371,7 @@ def test_a_planted_rate_is_explained(tmp_path):
     page, kept = write_diagnosis(tmp_path / "out" / "deep", "table.csv", table, explanation, document)
     assert json.loads(kept.read_text()) == document
     text = page.read_text()
-    for words in ("explains it", "Dependences", "How much better", "image/png"):
+    for words in ("explains it", DEPENDENCE_CAPTION, "How much better", "image/png"):
         assert words in text
 
 

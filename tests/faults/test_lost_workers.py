@@ -111,14 +111,16 @@ def test_a_proof_loses_no_answer(cluster, tmp_path, monkeypatch):
     seal, killed = json.loads(folder.seal.read_text()), []
     monkeypatch.setattr("tactiledata.prove.run.answer", slow_answer)
     kill = killing(cluster, killed, 1)
-    run = ProofRun(
-        folder,
-        REQUEST,
-        tmp_path,
-        make_scheduler(address=cluster.scheduler_address),
-        # the next cases are begun by then
-        lambda *done: (time.sleep(0.2), kill(*done)),
-    )
+
+    def kill_at_work(*done):
+        """Kill once another case is begun that has no answer yet."""
+        while not killed and not any(
+            folder.attempts_of(name) and not folder.answers_of(name) for name in seal["cases"]
+        ):
+            time.sleep(0.01)
+        kill(*done)
+
+    run = ProofRun(folder, REQUEST, tmp_path, make_scheduler(address=cluster.scheduler_address), kill_at_work)
     run.answer(seal)
     run.score()
     assert len(killed) == 1

@@ -294,7 +294,8 @@ def diagnose_store(folder: Path) -> None:
 
     def diagnosed(store: object, options: object, play_progress: Callable, *others: object) -> object:
         play_nodes(PAD, "linear", [press(0), press(1)], NODES[:2], None, play_progress)
-        return SimpleNamespace(is_missing=False, shown=SimpleNamespace(located=None), naming=None, simulated=None)
+        shown, played = SimpleNamespace(located=None), SimpleNamespace(start=None)
+        return SimpleNamespace(is_missing=False, shown=shown, naming=None, simulated=None, played=played, stated=())
 
     trial = {"trial": "next-1", "title": "A trial", "scenario": {"seed": 1}}
     document = {
@@ -308,6 +309,7 @@ def diagnose_store(folder: Path) -> None:
     documents.effects_file = lambda done, document: {"effects": []}
     documents.naming_page = lambda *parts, **more: "<html></html>"
     documents._further = documents._sensor_sentences = lambda done: []
+    documents.other_steps_section = lambda *parts: None
     command("diagnose", folder / "ds.zarr", "--out", folder / "diagnosis", "--json")
 
 

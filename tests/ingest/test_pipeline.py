@@ -180,7 +180,7 @@ def test_nothing_to_ingest_is_an_error(tmp_path):
     with pytest.raises(MissingFile, match="does not exist"):
         ingest([tmp_path / "nowhere"], tmp_path / "ds.zarr")
     (tmp_path / "empty").mkdir()
-    with pytest.raises(BrokenLog, match="not a recording"):
+    with pytest.raises(BrokenLog, match="holds no recording and no file"):
         ingest([tmp_path / "empty"], tmp_path / "ds.zarr")
     bad = {"format": "tactiledata-mapping/1", "signals": {"Wrench!": {"topic": "/w"}}}
     with pytest.raises(SchemaError, match=r"\$\.signals"):
