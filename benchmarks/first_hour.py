@@ -32,7 +32,7 @@ from tactiledata.rig.scenario.worlds import find_scenario
 
 START, STOP = "<!-- printed -->\n", "<!-- end of printed -->\n"
 ADDRESS = "tcp://127.0.0.1:8799"
-"""Where the cluster's scheduler listens."""
+"""Address at which the Dask scheduler of the benchmark accepts connections."""
 
 HUGGINGFACE = """
 import torch

@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.report.marks import marks_by_label
 from tactiledata.report.page import LegendEntry, Panel, Picture
 
 if TYPE_CHECKING:
@@ -133,11 +134,7 @@ def _words(axis: Axes) -> str:
 
 def legend_of(axes: Iterable[Axes]) -> tuple[LegendEntry, ...]:
     """Return an entry for each label that was drawn in any of some subplots, in order."""
-    entries: dict[str, LegendEntry] = {}
-    for axis in axes:
-        for handle, label in zip(*axis.get_legend_handles_labels(), strict=True):
-            entries.setdefault(label, _entry(handle, label))
-    return tuple(entries.values())
+    return tuple(_entry(mark, label) for label, mark in marks_by_label(axes).items())
 
 
 def _entry(handle: Any, label: str) -> LegendEntry:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.report.marks import AXIS_COLOURS, MEASURED
+from tactiledata.report.marks import AXIS_COLOURS, MEASURED, marks_by_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -144,10 +144,9 @@ def png_bytes(figure: Figure, dots_per_inch: int = 110, heading: str = "", has_l
     if heading:
         figure.suptitle(heading, fontsize=10)
     if has_legend:
-        labelled = [axes.get_legend_handles_labels() for axes in figure.axes]
-        by_label = {label: handle for pair in labelled for handle, label in zip(*pair, strict=True)}
+        marks = marks_by_label(figure.axes)
         figure.legend(
-            by_label.values(), by_label.keys(), loc="outside lower center",
+            marks.values(), marks.keys(), loc="outside lower center",
             ncols=4, fontsize=8, frameon=False, markerscale=2,
         )  # fmt: skip
     stream = io.BytesIO()

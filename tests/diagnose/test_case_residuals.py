@@ -40,7 +40,9 @@ def quiet():
 
 
 def test_the_level_holds_over_many_nulls():
-    """At most two of 14 null worlds are called structured: contact laws err, offsets jitter, the noise has memory.
+    """At most two of 14 simulated worlds in which no effect is hidden are said to have structure in their residual.
+
+    Their contact laws err, their offsets jitter, and their noise has memory.
 
     At the level of 5 %, more alarm with a probability of 3 %; where 3 of 10 nulls alarm, more do with 84 %. P-values
     that are too small show without an alarm as well: at most six of the 14 smallest ones lie below 0.25. At the level,

@@ -115,7 +115,7 @@ def test_read_only_it_says_so_and_changes_nothing(case):
 
 @every_writer
 def test_two_at_once_end_the_same(case):
-    """Of two writers at once one ends well, the other too or by speaking of it; what they leave is what one leaves."""
+    """Two processes that write at once leave what one leaves; one that cannot finish names the other in its error."""
     waits = []
     for _ in range(2):
         waits.append(begun(case.write))

@@ -78,7 +78,7 @@ def test_a_killed_proof_goes_on_and_fits(tmp_path, monkeypatch):
 
 @pytest.mark.slow
 def test_other_gels_are_played_where_effects_take_part_that_need_them(tmp_path, monkeypatch):
-    """With variants, those of all effects are asked for; without, none."""
+    """A proof plays the other gels of all effects if it is told to, and no other gel if it is not."""
     asked = []
 
     def play(*given, full):

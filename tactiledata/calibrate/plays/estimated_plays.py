@@ -74,10 +74,10 @@ def estimated_node(
     if len(alone) < 2:
         return [estimated_change(*three) for three in zip(played[middle], linear[middle], linear[node], strict=True)]
     first, second = alone
-    ones = {one: played[one] if one in played else estimated_node(plan, one, played, linear) for one in alone}
+    singles = [played[one] if one in played else estimated_node(plan, one, played, linear) for one in alone]
     estimates = []
     for touch in range(len(played[middle])):
-        full = [*(ones[one][touch] for one in (first, second)), played[middle][touch]]
+        full = [plays[touch] for plays in (*singles, played[middle])]
         slow = [linear[one][touch] for one in (node, first, second, middle)]
         change = rows_of(slow[0]) - rows_of(slow[1]) - rows_of(slow[2]) + rows_of(slow[3])
         more = ratio_of(full[2], slow[3]) * np.where(np.isfinite(change), change, 0.0)

@@ -205,20 +205,12 @@ def calibration(cases: Sequence[ScoredCase]) -> dict[str, Any]:
 
 
 def material(cases: Sequence[ScoredCase]) -> dict[str, Any] | None:
-    """Return median absolute errors of E, nu and mu, in %, before and after, of single effects that were named.
-
-    ``removed`` is the share by which the median error is smaller after than before.
-    """
+    """Return median absolute errors of E, nu and mu, in %, before and after, of single effects that were named."""
     found = [errors for case in cases if (errors := case.material_errors) is not None]
     if not found:
         return None
     before, after = (np.median(np.abs([one[side] for one in found]), axis=0) for side in (0, 1))
-    return {
-        "count": len(found),
-        "before": before.round(2).tolist(),
-        "after": after.round(2).tolist(),
-        "removed": (1.0 - after / np.maximum(before, 1e-9)).round(3).tolist(),
-    }
+    return {"count": len(found), "before": before.round(2).tolist(), "after": after.round(2).tolist()}
 
 
 def gap_closed(cases: Sequence[ScoredCase]) -> dict[str, Any] | None:

@@ -161,8 +161,10 @@ class ScoredCase:
         """
         if self.claimed is None:
             return False
+        from tactiledata.diagnose.naming.evidence import error_of_sum
+
         gains = np.array(self.claimed["gains"], dtype=float)
-        return bool(gains.sum() > Z * np.sqrt(len(gains)) * gains.std(ddof=1))
+        return bool(gains.sum() > Z * error_of_sum(gains))
 
     @property
     def material_errors(self) -> tuple[list[float], list[float]] | None:
