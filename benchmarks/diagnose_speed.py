@@ -109,6 +109,15 @@ def _diagnosed(store: Path, count: int, out: Path, own_pad: bool) -> tuple[float
     return told
 
 
+def print_steps(steps: list[tuple[str, float]], seconds: float) -> None:
+    """How long each step took that took at least a fiftieth of all."""
+    began, listed = 0.0, [("read the store and the plays", 0.0), *steps]
+    for (what, _), (_, ended) in itertools.pairwise(listed):
+        if ended - began >= 0.02 * seconds:
+            print(f"  {ended - began:6.1f} s  {what}", flush=True)
+        began = ended
+
+
 def main() -> None:
     """Record and play what is not there yet, then time."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -128,17 +137,14 @@ def main() -> None:
         header(f"diagnosing {count} trajectories", ("numpy", "scipy", "scikit-learn", "matplotlib"))
         first, _, told = _diagnosed(store, count, folder / "first", asked.own_pad)
         print(f"with plays: {first:.0f} s", flush=True)
+        print_steps(told["steps"], first)
         for at, sentence in told["first_answers"]:
             print(f"told after {at:.0f} s: {sentence}", flush=True)
         seconds, processor, found = _diagnosed(store, count, folder / "second", asked.own_pad)
         alike = [filecmp.cmp(folder / "first" / name, folder / "second" / name, shallow=False) for name in WRITTEN]
     print(f"answer: {found['sentence']}")
     print(f"plays kept: {seconds:.1f} s, {processor:.1f} s of processors")
-    began, listed = 0.0, [("read the store and the plays", 0.0), *found["steps"]]
-    for (what, _), (_, ended) in itertools.pairwise(listed):
-        if ended - began >= 0.02 * seconds:
-            print(f"  {ended - began:6.1f} s  {what}")
-        began = ended
+    print_steps(found["steps"], seconds)
     print(f"page and document: {'the same bytes as in the first run' if all(alike) else 'NOT those of the first run'}")
     verdict("seconds", seconds, TARGET_S, at_most=True)
 

@@ -72,7 +72,11 @@ class MeshVaeObjective(Objective):
 
 
 def vae_losses(
-    output: tuple[Tensor, Tensor, Tensor], target: Tensor, weight: float, emphasis: Tensor | None = None
+    output: tuple[Tensor, Tensor, Tensor],
+    target: Tensor,
+    weight: float,
+    emphasis: Tensor | None = None,
+    gradient_weight: float = 0.0,
 ) -> Losses:
     """Losses of a beta-VAE: the squared error of its reconstruction, the divergence, and their weighted sum.
 
@@ -86,6 +90,8 @@ def vae_losses(
         Weight of the divergence.
     emphasis : Tensor, optional
         Factors on the squared errors, of ``target``'s shape or broadcast to it.
+    gradient_weight : float
+        Weight of the error of gradients, `gradient_error`, beside the squared error; for pictures only.
 
     Returns
     -------
@@ -95,8 +101,31 @@ def vae_losses(
     reconstruction, mean, log_variance = (part.float() for part in output)
     squares = (reconstruction - target).square()
     error = (squares if emphasis is None else squares * emphasis).mean()
+    if gradient_weight:
+        error = error + gradient_weight * gradient_error(reconstruction - target, emphasis)
     spread = divergence(mean, log_variance)
     return {"loss": error + weight * spread, "error": error.detach(), "divergence": spread.detach()}
+
+
+def gradient_error(difference: Tensor, emphasis: Tensor | None = None) -> Tensor:
+    """Mean absolute difference between neighbouring pixels of a difference of pictures, along rows plus along columns.
+
+    Squared errors alone are least where a network that is unsure of an edge draws it softly.
+
+    Parameters
+    ----------
+    difference : (n, 3, h, w)
+        Picture less goal.
+    emphasis : (n, 1, h, w), optional
+        Factors; a difference of two pixels has that of the latter.
+
+    Source: the gradient difference loss of Mathieu, Couprie and LeCun (ICLR 2016), eq. 6 with exponent 1, here with the
+    sign of each difference.
+    """
+    along, down = difference.diff(dim=-1).abs(), difference.diff(dim=-2).abs()
+    if emphasis is not None:
+        along, down = along * emphasis[..., 1:], down * emphasis[..., 1:, :]
+    return along.mean() + down.mean()
 
 
 class Regression(Objective):

@@ -44,7 +44,9 @@ class ArithmeticVaeObjective(Objective):
     exchanged : float
         Share of the pictures whose latent vector gets a random background before it is decoded.
     contact_weight : float
-        Additional weight of squared errors where a picture shows the touch, which is a small part of the picture.
+        Additional weight of errors where a picture shows the touch, which is a small part of the picture.
+    gradient_weight : float
+        Weight of the error of gradients (`objectives.gradient_error`) beside squared errors: edges are drawn sharper.
     """
 
     def __init__(
@@ -57,12 +59,14 @@ class ArithmeticVaeObjective(Objective):
         relit: float,
         exchanged: float,
         contact_weight: float = 0.0,
+        gradient_weight: float = 0.0,
     ) -> None:
         super().__init__()
         self.network = network
         self.vae = network
         self.weight, self.anneal, self.augmentation = divergence_weight, anneal, augmentation
         self.relit, self.exchanged, self.contact_weight = relit, exchanged, contact_weight
+        self.gradient_weight = gradient_weight
         self.backgrounds: Tensor
         pictures = torch.from_numpy(np.ascontiguousarray(backgrounds)).permute(0, 3, 1, 2)
         self.register_buffer("backgrounds", pictures, persistent=False)
@@ -72,7 +76,8 @@ class ArithmeticVaeObjective(Objective):
         pictures, own = batch["image"].permute(0, 3, 1, 2).float(), batch["sensor"]
         if not self.training:
             scaled = _scaled(pictures)
-            return vae_losses(self.vae(scaled), scaled, self.weight, self._emphasis(pictures, self.backgrounds, own))
+            emphasis = self._emphasis(pictures, self.backgrounds, own)
+            return vae_losses(self.vae(scaled), scaled, self.weight, emphasis, self.gradient_weight)
         # draw the light of the input, and the light that the decoded picture should have
         pictures, backgrounds = self.augmentation.moved_together(pictures, self.backgrounds.float())
         input_light = self._some_other(own, self.relit)
@@ -85,10 +90,11 @@ class ArithmeticVaeObjective(Objective):
         decoded = self.vae.decode(draw(mean, log_variance) - base[input_light] + base[goal_light])
         goal = _scaled(relight(pictures, backgrounds, own, goal_light))
         emphasis = self._emphasis(pictures, backgrounds, own)
-        return vae_losses((decoded, mean, log_variance), goal, annealed(self.weight, epoch, self.anneal), emphasis)
+        weight = annealed(self.weight, epoch, self.anneal)
+        return vae_losses((decoded, mean, log_variance), goal, weight, emphasis, self.gradient_weight)
 
     def _emphasis(self, pictures: Tensor, backgrounds: Tensor, own: Tensor) -> Tensor | None:
-        """Factors (n, 1, h, w) on squared errors, larger where a picture shows the touch; None without a weight."""
+        """Factors (n, 1, h, w) on errors, larger where a picture shows the touch; None without a weight."""
         if not self.contact_weight:
             return None
         difference = (pictures - backgrounds[own]).abs().amax(dim=1, keepdim=True)

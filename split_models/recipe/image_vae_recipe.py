@@ -55,7 +55,7 @@ def image_vae_objective(
     # the objective, plain or with relighting
     augmentation = Augmentation(**section["augmentation"])
     relighting = section["relighting"]
-    if not (relighting["relit"] or relighting["exchanged"] or relighting["contact_weight"]):
+    if not any(relighting[name] for name in ("relit", "exchanged", "contact_weight", "gradient_weight")):
         return ImageVaeObjective(vae, section["divergence_weight"], section["anneal"], augmentation)
     others = [(name, _background(name, frames)) for name in relighting["backgrounds"]]
     vae.learned_from += kept_small(others)
@@ -68,6 +68,7 @@ def image_vae_objective(
         relighting["relit"],
         relighting["exchanged"],
         relighting["contact_weight"],
+        relighting["gradient_weight"],
     )
 
 

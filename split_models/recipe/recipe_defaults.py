@@ -66,7 +66,13 @@ DEFAULTS: dict[str, Any] = {
             "background_copies": 0,
             "learns_on": False,
             "augmentation": {"rotation": 0.1, "flip": 0.5, "noise": 0.02, "contrast": 0.1, "brightness": 0.1},
-            "relighting": {"relit": 0.0, "exchanged": 0.0, "contact_weight": 0.0, "backgrounds": []},
+            "relighting": {
+                "relit": 0.0,
+                "exchanged": 0.0,
+                "contact_weight": 0.0,
+                "gradient_weight": 0.0,
+                "backgrounds": [],
+            },
             "training": _training(300, 64, 20, weight_decay=1e-5),
         },
         "mesh_vae": {

@@ -1,4 +1,4 @@
-"""Similarity of a predicted and a true picture: l1, MSE, SSIM, PSNR, on the full frame or inside a contact mask."""
+"""Similarity of two pictures: l1, MSE, SSIM, PSNR and error of gradients, on the full frame or in a contact mask."""
 
 from __future__ import annotations
 
@@ -91,6 +91,37 @@ def ssim(predicted: Any, true: Any, mask: Any = None) -> Values:
     return values
 
 
+def gradient_error(predicted: Any, true: Any, mask: Any = None) -> Values:
+    """Mean absolute difference (n,) of the gradients of pictures, grey levels per px; a constant offset counts nothing.
+
+    It is the mean over rows, columns and channels of the absolute values of central differences (`numpy.gradient`) of
+    the difference of two pictures. A picture that is softer than the truth errs at every edge of it.
+
+    Parameters
+    ----------
+    predicted, true : (n, H, W, 3) uint8
+        Pictures, pair by pair, of at least two pixels a side.
+    mask : (n, H, W) bool, optional
+        Restricts each pair to the pixels of its contact; a pair with an empty mask is NaN.
+
+    Raises
+    ------
+    UsageError
+        Pictures of one pixel a side.
+    """
+    shape = np.shape(predicted)
+    if len(shape) == 4 and min(shape[1:3]) < 2:
+        raise UsageError(f"pictures of {shape[1]} x {shape[2]}", "2 px a side for gradients", "")
+    return _mean_of(_steepness, predicted, true, mask)
+
+
+def _steepness(difference: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return the mean (H, W, 3) of the absolute central differences along rows and along columns."""
+    down, along = np.gradient(difference, axis=(0, 1))
+    steepness: NDArray[np.float32] = (np.abs(down) + np.abs(along)) / 2
+    return steepness
+
+
 def _cropped(inside: NDArray[np.bool_] | None, row: int, border: int) -> NDArray[np.bool_] | None:
     """Return the mask of a row without the border, px; None where there are no masks."""
     return None if inside is None else inside[row, border:-border, border:-border]
@@ -129,5 +160,6 @@ IMAGE_SIMILARITY = metric(
         Score("mse", "MSE", "grey levels²", "lower", 0.0, mse),
         Score("ssim", "SSIM", "", "higher", 1.0, ssim),
         Score("psnr", "PSNR", "dB", "higher", np.inf, psnr),
+        Score("gradient_error", "error of gradients", "grey levels/px", "lower", 0.0, gradient_error),
     ],
 )

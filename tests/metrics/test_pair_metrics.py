@@ -6,7 +6,7 @@ from skimage.metrics import peak_signal_noise_ratio
 
 from tactiledata.errors import UsageError
 from tactiledata.metrics.force_error import FORCE_ERROR, root_mean_square
-from tactiledata.metrics.image_similarity import IMAGE_SIMILARITY, l1, mse, psnr, ssim
+from tactiledata.metrics.image_similarity import IMAGE_SIMILARITY, gradient_error, l1, mse, psnr, ssim
 from tactiledata.metrics.mesh_distance import euclidean, rmse
 from tactiledata.metrics.mesh_distance import l1 as mesh_l1
 
@@ -44,6 +44,24 @@ def test_ssim_of_constant_pictures():
     one, other = np.full((1, 12, 12, 3), 100, np.uint8), np.full((1, 12, 12, 3), 140, np.uint8)
     c = (0.01 * 255) ** 2
     assert ssim(one, other)[0] == pytest.approx((2 * 100 * 140 + c) / (100**2 + 140**2 + c))
+
+
+def test_gradient_errors_of_ramps_and_of_a_line():
+    """A ramp along x of 2 levels a px errs by 2 / 2, one along y too; an offset by nothing; a softened line at it."""
+    flat = np.full((1, 8, 10, 3), 50, np.uint8)
+    along = flat + (2 * np.arange(10, dtype=np.uint8))[None, None, :, None]
+    down = flat + (2 * np.arange(8, dtype=np.uint8))[None, :, None, None]
+    assert gradient_error(along, flat) == pytest.approx(1.0)
+    assert gradient_error(flat, down) == pytest.approx(1.0)
+    assert gradient_error(along + np.uint8(40), along) == pytest.approx(0.0)
+    # a line of 60 levels drawn as 20 levels over three columns: off by 20, -40, 20 in columns 4 to 6
+    sharp, soft = flat.copy(), flat.copy()
+    sharp[:, :, 5] += 60
+    soft[:, :, 4:7] += 20
+    # central differences of (0, 20, -40, 20, 0): 10, -20, 0, 20, -10 in columns 3 to 7; half of their mean
+    assert gradient_error(soft, sharp) == pytest.approx((10 + 20 + 0 + 20 + 10) / 10 / 2)
+    with pytest.raises(UsageError, match="pictures of 1 x 9"):
+        gradient_error(np.zeros((1, 1, 9, 3), np.uint8), np.zeros((1, 1, 9, 3), np.uint8))
 
 
 @pytest.mark.parametrize("score", IMAGE_SIMILARITY.scores.values(), ids=lambda score: score.name)

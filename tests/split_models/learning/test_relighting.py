@@ -8,7 +8,7 @@ from small_models import image_vae, pictures
 from touch_world import UNSEEN, tiny_recipe
 
 from split_models.learning.augment import Augmentation
-from split_models.learning.objectives import ImageVaeObjective
+from split_models.learning.objectives import ImageVaeObjective, gradient_error
 from split_models.learning.relighting import ArithmeticVaeObjective, relight
 from split_models.methods.methods import mesh_to_image, title_of
 from split_models.recipe.image_vae_recipe import image_vae_objective
@@ -80,6 +80,35 @@ def test_touches_weigh_more():
     assert (weighted._emphasis(planes, as_planes(base), torch.tensor([-1])) == 1.0).all()
 
 
+def test_errors_of_gradients_by_hand():
+    """Of two pixels that err by 3 and 1 the difference errs by 2; a factor counts for the latter pixel of each two."""
+    difference = torch.zeros(1, 3, 2, 2)
+    difference[0, :, 0] = torch.tensor([3.0, 1.0])
+    # along: 2 and 0 in each channel; down: 3 and 1
+    assert gradient_error(difference).item() == pytest.approx((2 + 0) / 2 + (3 + 1) / 2)
+    emphasis = torch.tensor([[[[1.0, 5.0], [1.0, 7.0]]]])
+    assert gradient_error(difference, emphasis).item() == pytest.approx((5 * 2 + 0) / 2 + (1 * 3 + 7 * 1) / 2)
+    assert gradient_error(torch.full((1, 3, 4, 5), 0.7)).item() == pytest.approx(0.0)
+
+
+def test_gradients_count_as_often_as_asked(lights):
+    """The loss rises by the weight times the error of gradients, in training's validation as well; 0 adds nothing."""
+    batch = {"image": torch.as_tensor(lights), "sensor": torch.arange(3)}
+    losses = {}
+    for weight in (0.0, 0.5, 1.0):
+        torch.manual_seed(3)
+        learner = ArithmeticVaeObjective(
+            image_vae(), 0.0, 0, Augmentation(), lights, 1.0, 1.0, contact_weight=4.0, gradient_weight=weight
+        )
+        losses[weight] = []
+        for mode in (learner.train(), learner.eval()):
+            torch.manual_seed(4)
+            losses[weight].append(mode(batch, 0.0)["loss"].item())
+    for none, half, whole in zip(*losses.values(), strict=True):
+        assert half > none
+        assert whole - none == pytest.approx(2 * (half - none), rel=1e-4)
+
+
 def test_exchanging_is_learned_from_backgrounds_alone(lights):
     """After some steps, arithmetic between two backgrounds decodes to the other one."""
     learner = objective(lights, 1.0, 1.0)
@@ -125,14 +154,15 @@ def test_light_of_a_unit_that_is_tested_on_is_refused(tmp_path, touch_store):
         learning.image_vae  # noqa: B018
 
 
+@pytest.mark.parametrize("name", ["contact_weight", "gradient_weight"])
 @pytest.mark.parametrize(("weight", "kind"), [(4.0, ArithmeticVaeObjective), (0.0, ImageVaeObjective)])
-def test_weight_in_the_contact_counts_alone(tmp_path, touch_store, weight, kind):
-    """A recipe that relights nothing may still weigh touches."""
-    relighting = {"relit": 0.0, "exchanged": 0.0, "contact_weight": weight, "backgrounds": []}
+def test_a_weight_counts_alone(tmp_path, touch_store, name, weight, kind):
+    """A recipe that relights nothing may still weigh touches, or edges."""
+    relighting = {"relit": 0.0, "exchanged": 0.0, name: weight, "backgrounds": []}
     path = tmp_path / "recipe.yaml"
     document = tiny_recipe(touch_store, "digit_images")
     path.write_text(yaml.safe_dump({**document, "variants": {"other": {"image_vae": {"relighting": relighting}}}}))
     shop = RecipeRun(load_recipe(path), tmp_path / "out", torch.device("cpu")).variant("other")
     objective = image_vae_objective(shop.recipe.models["image_vae"], shop.frames("train"))
     assert type(objective) is kind
-    assert getattr(objective, "contact_weight", 0.0) == weight
+    assert getattr(objective, name, 0.0) == weight
