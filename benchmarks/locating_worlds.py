@@ -189,7 +189,7 @@ def run(bench: Bench, asked: Asked) -> dict[str, Any]:
     shares = axes_of(change, base.metric.weigh(change[:, :, None])[:, :, 0])
     axes, where = told(located)
     shows_in = SHOWS_IN.get(asked.effects[0], set()) if asked.effects else set()
-    for cause in zero_causes(recorded.zeros):
+    for cause in zero_causes(recorded.zeros, band=recorded.dead_band):
         where.add(f"zeros: {cause.effect}")
         # zeros of every world drift a little: that says nothing of other effects
         if f"zeros: {cause.effect}" in shows_in:

@@ -113,8 +113,9 @@ def diagnose_store(
     readings = StoreReadings(opened)
     free = readings.zeros()
     remarks = [*limits(played.touch_set, naming.base.model.material), *filter(None, [no_zeros(free)])]
-    causes = zero_causes(free, options.seed)
-    shown_by_readings = find_dead_band(readings.logged()), find_inertia(readings.moves(), options.seed)
+    dead_band = find_dead_band(readings.logged())
+    causes = zero_causes(free, options.seed, dead_band.force if dead_band else 0.0)
+    shown_by_readings = dead_band, find_inertia(readings.moves(), options.seed)
     simulated = simulated_trajectories(store, played.uids)
     return StoreDiagnosis(
         store.digest,

@@ -139,27 +139,29 @@ class ScoredCandidate:
         return (self.evidence - own.needed(self.names)) / own.growth(self.names)
 
     def has_certain_gain(self, thresholds: DecisionThresholds) -> bool:
-        """Whether the gain is positive, and more than chance.
+        """Whether there is a gain on held-out data, and it is more than chance.
 
-        It has ``gain_sigmas`` standard errors, on held-out trajectories or on held-out indenters. Or it has one, and
-        ``structure_evidence`` times the evidence that a claim needs remains without the two trajectories that
-        contribute most: where an effect is much stronger in some trajectories than in others, gains differ as much.
+        The gain on held-out trajectories is positive, and it has ``gain_sigmas`` standard errors, or the gain on
+        held-out indenters has. Where much evidence remains without the two trajectories that contribute most,
+        ``structure_evidence`` times what a claim needs, less is enough, since an effect that is much stronger in some
+        trajectories than in others gains as unequally. One standard error is then certain; so is a gain whose sign one
+        standard error leaves open, where that on held-out indenters has ``gain_sigmas`` standard errors.
         """
         is_much = self._remains(thresholds, thresholds.structure_evidence)
-        return self.gain > 0 and (
-            self.gain >= thresholds.gain_sigmas * self.gain_error
-            or self.indenter_gain >= thresholds.gain_sigmas * self.indenter_error
-            or (is_much and self.gain >= self.gain_error)
-        )
+        holds_on_indenters = self.indenter_gain >= thresholds.gain_sigmas * self.indenter_error
+        if self.gain > 0:
+            sigmas = 1.0 if is_much else thresholds.gain_sigmas
+            return holds_on_indenters or self.gain >= sigmas * self.gain_error
+        return is_much and holds_on_indenters and self.gain > -self.gain_error
 
     def is_certain(self, thresholds: DecisionThresholds) -> bool:
-        """Whether the gain on held-out trajectories is positive, and more than chance.
+        """Whether there is a gain on held-out data, and it is more than chance.
 
-        It is more than chance where it is certain (`has_certain_gain`), or where the signature statistic reaches
-        ``certain_signature``.
+        It is more than chance where it is certain (`has_certain_gain`), or where it is positive on held-out
+        trajectories and the signature statistic reaches ``certain_signature``.
         """
-        is_clear = self.has_certain_gain(thresholds) or self.signature_before >= thresholds.certain_signature
-        return self.gain > 0 and is_clear
+        is_clear = self.gain > 0 and self.signature_before >= thresholds.certain_signature
+        return is_clear or self.has_certain_gain(thresholds)
 
     def is_agreed(self, thresholds: DecisionThresholds) -> bool:
         """Whether trajectories agree on the effect.

@@ -86,7 +86,7 @@ class _Model:
     words: Callable[[dict[str, float]], str]
 
 
-def zero_causes(zeros: ForceZeros, seed: int = 0) -> list[ZeroCause]:
+def zero_causes(zeros: ForceZeros, seed: int = 0, band: float = 0.0) -> list[ZeroCause]:
     """Return the causes that the zeros follow, the strongest first; empty where none is certain or data are few.
 
     The zero changes at each moment at which the sensor was tared; the mean of each stretch between two such moments is
@@ -99,6 +99,9 @@ def zero_causes(zeros: ForceZeros, seed: int = 0) -> list[ZeroCause]:
         Mean readings in free air, as `StoreReadings.zeros` returns them.
     seed : int
         Random seed of the permutations.
+    band : float
+        Half width, N, of the sensor's dead-band. What a cause changes by no more than that in any component of the
+        force may as well be the band's doing, which follows weight and drift as the readings do, and is not reported.
     """
     if zeros.trajectories < FEWEST:
         return []
@@ -110,9 +113,10 @@ def zero_causes(zeros: ForceZeros, seed: int = 0) -> list[ZeroCause]:
     causes: list[ZeroCause] = []
     target = (_centred(zeros, zeros.load) / scale).ravel()
     before, floor = spread, _noise(zeros, scale)
+    hidden: set[str] = set()
     # forward selection: in each round the cause that predicts held-out trajectories best
     for _ in range(len(models)):
-        rest = [model for model in models if model.effect not in {cause.effect for cause in causes}]
+        rest = [model for model in models if model.effect not in hidden.union(cause.effect for cause in causes)]
         tried = [(_unseen(zeros, np.hstack([taken, model.field]), target), model) for model in rest]
         if not tried:
             break
@@ -125,6 +129,10 @@ def zero_causes(zeros: ForceZeros, seed: int = 0) -> list[ZeroCause]:
         # the cause is accepted: fit it together with those before
         design = np.hstack([taken, best.field])
         numbers: Array = np.linalg.lstsq(design, target, rcond=None)[0].astype(np.float64)
+        own = ((best.field @ numbers[taken.shape[1] :]).reshape(-1, 6) * scale)[:, :3]
+        if np.abs(own).max() <= band:
+            hidden.add(best.effect)
+            continue
         left = ((target - design @ numbers).reshape(-1, 6) * scale)[:, :3]
         after = float(np.sqrt((left**2).sum(axis=1).mean()))
         values = best.values(numbers[taken.shape[1] :])

@@ -56,6 +56,11 @@ class DeadBand:
     zeros: float
 
     @property
+    def force(self) -> float:
+        """Half width, N, of the dead-band of forces; 0 where they show none."""
+        return self.band.get("force", 0.0)
+
+    @property
     def words(self) -> str:
         """What was found, as sentences for the user."""
         widths = joined_names([f"{quantity(self.band[kind], KINDS[kind][0])} ({kind})" for kind in self.band])

@@ -52,6 +52,7 @@ class NamedWorld:
         answer = Answer(self.naming)
         document = answer.document
         best = self.naming.decision.best
+        causes = zero_causes(self.recorded.zeros, band=self.recorded.dead_band)
         ranked = sorted(self.naming.scored, key=lambda each: -each.gain)
         return {
             **{key: document[key] for key in KEPT},
@@ -66,7 +67,7 @@ class NamedWorld:
             "before": [one["value"] for one in document["before"]],
             "after": [one["value"] for one in document["after"][:3]],
             "values": {one["name"]: one["value"] for one in document["after"][3:]},
-            "zeros": [*(cause.effect for cause in zero_causes(self.recorded.zeros)), *self.recorded.shown],
+            "zeros": [*(cause.effect for cause in causes), *self.recorded.shown],
             "full_plays": [
                 # a number that is none was not refitted
                 {key: None if value != value else value for key, value in asdict(one).items()}

@@ -53,6 +53,8 @@ class ReadWorld:
         The zeros of all touches.
     shown : tuple of str
         Effects that readings show by themselves.
+    dead_band : float
+        Half width, N, of the dead-band that the forces show; 0 where they show none.
     """
 
     at_frames: list[FrameWrenches]
@@ -61,6 +63,7 @@ class ReadWorld:
     fractions: Array
     zeros: ForceZeros
     shown: tuple[str, ...] = ()
+    dead_band: float = 0.0
 
     @property
     def wrenches(self) -> list[Array]:
@@ -182,10 +185,11 @@ class WorldMaker:
             for number, (one, way) in enumerate(zip(stored, self.ways, strict=True))
             for felt in [felt_accelerations(one.readings.seconds[: len(one.free)], *way)]
         ]
-        found = find_dead_band([wrench.values for _, wrench, _ in logs]), find_inertia(moves)
-        shown = tuple(str(one.document["effect"]) for one in found if one is not None)
+        dead_band = find_dead_band([wrench.values for _, wrench, _ in logs])
+        shown = tuple(str(one.document["effect"]) for one in (dead_band, find_inertia(moves)) if one is not None)
         free = [touch.free for touch in stored]
-        return ReadWorld(at_frames, interpolated, free, fractions, zeros_of(logs), shown)
+        band = dead_band.force if dead_band else 0.0
+        return ReadWorld(at_frames, interpolated, free, fractions, zeros_of(logs), shown, band)
 
     def cases(self, recorded: ReadWorld, base: BaseFamily) -> TouchSet:
         """Return the trajectories of a world, with their noise as a calibration estimates it."""

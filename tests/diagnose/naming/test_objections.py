@@ -97,6 +97,22 @@ def test_much_evidence_makes_a_gain_of_one_standard_error_certain():
     assert len(candidate(EASY, times, gains=scattered(times * NEEDED, 0.9)).objections(T)) == 1
 
 
+def test_held_out_indenters_settle_a_gain_whose_sign_is_open():
+    """A loss of less than its error is no objection beside a certain gain on indenters and twice the evidence."""
+    times = 1.05 * T.structure_evidence * TRAJECTORIES / (TRAJECTORIES - 2)
+    sure = {"indenter_gain": 1.01 * T.gain_sigmas, "indenter_error": 1.0}
+    open_sign = -scattered(times * NEEDED, 0.9)
+    assert candidate(EASY, times, gains=open_sign, **sure).objections(T) == ()
+    for other in (
+        candidate(EASY, 0.9 * times, gains=open_sign, **sure),
+        candidate(EASY, times, gains=-scattered(times * NEEDED, 1.1), **sure),
+        candidate(EASY, times, gains=open_sign, indenter_gain=0.99 * T.gain_sigmas, indenter_error=1.0),
+        candidate(EASY, times, gains=open_sign),
+    ):
+        (said,) = other.objections(T)
+        assert "the gain on held-out" in said
+
+
 def test_the_whole_cause_is_named_whatever_its_strength():
     """It is decisive, no error of a simulation resembles it, and it leaves next to nothing; a part is not enough."""
     odd = {"implausible": ("lag delay = 3 s",), "signature_before": T.decisive_signature}

@@ -77,6 +77,18 @@ def test_chance_is_not_named():
     assert sum(named) <= 2
 
 
+def test_what_a_dead_band_may_do_is_no_cause():
+    """A tool of 50 g changes the zero by at most 0.3 N: a band of 0.2 N leaves it a cause, one of 0.4 N does not.
+
+    A drift of 2 N beside it stays a cause of its own.
+    """
+    alone, both = zeros(mass=0.05), zeros(mass=0.05, drift=2.0)
+    assert [cause.effect for cause in zero_causes(alone, band=0.2)] == ["tool_weight"]
+    assert zero_causes(alone, band=0.4) == []
+    assert {cause.effect for cause in zero_causes(both)} == {"tool_weight", "sensor_drift"}
+    assert [cause.effect for cause in zero_causes(both, band=0.4)] == ["sensor_drift"]
+
+
 def test_where_it_is_quiet_or_unknown_nothing_is_said():
     """Zeros that hardly scatter have no cause, and five trajectories are too few to look for one."""
     assert not zero_causes(zeros(scatter=0.002, trajectories=24))
