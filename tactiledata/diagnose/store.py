@@ -13,7 +13,7 @@ from tactiledata.diagnose.answer.other_steps import materials_of_meshes
 from tactiledata.diagnose.answer.sentences import Answer, preview_words
 from tactiledata.diagnose.formula.explain import explain
 from tactiledata.diagnose.naming.full_plays import named_with_full_plays
-from tactiledata.diagnose.naming.name_effects import NamingResult, name_effects
+from tactiledata.diagnose.naming.name_effects import NamingResult, name_effects, with_profiles
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.next_trial.limits import limits
 from tactiledata.diagnose.next_trial.propose import propose_trials
@@ -85,7 +85,7 @@ def diagnose_store(
 
     def name(played: StoreTouches) -> NamingResult:
         naming_options = NamingOptions(
-            effects=candidates_of(played), errors=errors, pairs=options.pairs, seed=options.seed
+            effects=candidates_of(played), errors=errors, pairs=options.pairs, seed=options.seed, profile=False
         )
         return name_effects(played.touch_set, played.start, naming_options, step_progress)
 
@@ -94,7 +94,7 @@ def diagnose_store(
         _preview(opened, calibration, play_progress, name, preview)
     # name what is missing
     played, naming, full_plays = named_with_full_plays(play, name, lambda naming: first_answer(Answer(naming).what[0]))
-    candidates = candidates_of(played)
+    naming, candidates = with_profiles(naming, step_progress), candidates_of(played)
     # compare on data that had no part in the fit
     shown = show(naming, options.seed, step_progress)
     # a formula where no known effect explains what is missing

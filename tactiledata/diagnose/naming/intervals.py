@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactiledata.calibrate.intervals import RISE
-from tactiledata.diagnose.naming.joint_fit import JointFit, joint_fit
+from tactiledata.diagnose.naming.joint_fit import JointFit, least_cost
 from tactiledata.diagnose.naming.signatures import MATERIAL
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
 
@@ -103,7 +103,7 @@ def _profiled(
         if reach <= 0.0:
             return 0.0
         start = fit.model.at(np.clip(fit.model.vector + side * reach * along, low, high), fit.model.offsets)
-        rise = (joint_fit(whitened, start, held=(entry,), rounds=ROUNDS).cost - fit.cost) / dispersion
+        rise = (least_cost(whitened, start, (entry,), ROUNDS) - fit.cost) / dispersion
         if reach >= room and rise < RISE:
             return room
         # the cost is about quadratic: within 15 % of the rise, the reach is within 7 %

@@ -195,25 +195,45 @@ def joint_fit(
         Gel and springs find no balance at the start.
     """
     work = Linearised(whitened, frozenset(held))
-    model, damping = start, 1e-3
-    state = work.evaluate(model)
-    slopes, before = work.slopes(model, state), np.inf
-    for left in range(rounds - 1, -1, -1):
-        better = _better(work, model, state, slopes, damping)
-        if better is None:
-            break
-        fell = state.cost - better[1].cost
-        model, state, damping = better
-        slopes = work.slopes(model, state)
-        if fell < STILL or state.cost - left * max(fell, before) > to_beat + BEHIND:
-            break
-        before = fell
+    model, state, slopes = _descended(work, start, rounds, to_beat)
+    slopes = slopes or work.slopes(model, state)
     plain = whitened.touch_set.play(model.material, [], model.offsets)
     changed = whitened.whiten(state.predicted.wrench - plain)
     return JointFit(
         model, state.cost, state.residual, slopes.shared, work.precision(model), work.centre(model), slopes.own,
         changed, whitened.starts,
     )  # fmt: skip
+
+
+def least_cost(whitened: WhitenedTouches, start: JointModel, held: Iterable[int], rounds: int) -> float:
+    """Return the cost of the fit that `joint_fit` would return, without the linearisation about it.
+
+    Parameters
+    ----------
+    whitened, start, held, rounds
+        As in `joint_fit`.
+    """
+    return _descended(Linearised(whitened, frozenset(held)), start, rounds)[1].cost
+
+
+def _descended(
+    work: Linearised, start: JointModel, rounds: int, to_beat: float = np.inf
+) -> tuple[JointModel, Evaluation, Sensitivities | None]:
+    """The model with the least cost that is reached, its evaluation, and its derivatives where they were needed."""
+    model, damping, before = start, 1e-3, np.inf
+    state, slopes = work.evaluate(model), None
+    for left in range(rounds - 1, -1, -1):
+        slopes = work.slopes(model, state)
+        better = _better(work, model, state, slopes, damping)
+        if better is None:
+            break
+        fell = state.cost - better[1].cost
+        model, state, damping = better
+        slopes = None
+        if fell < STILL or state.cost - left * max(fell, before) > to_beat + BEHIND:
+            break
+        before = fell
+    return model, state, slopes
 
 
 def _better(

@@ -119,20 +119,40 @@ def name_effects(
     # pairs and decision
     pairs = tried.refits.pairs(tried.screened, tried.singles) if chosen.pairs else []
     scored, decision = tried.refits.score_and_decide(tried.singles, pairs)
-    # intervals; the profile of the likelihood needs many plays, and is computed for a claim only
-    progress("intervals")
-    claimed = decision.best is not None and not decision.objections
+    # intervals by the curvature
     best = decision.best.fit if decision.best is not None else base
-    before, after = (
-        intervals(whitened, fit, max(1.0, decision.left.dispersion), chosen.profile and claimed) for fit in (base, best)
-    )
+    before, after = (intervals(whitened, fit, max(1.0, decision.left.dispersion), False) for fit in (base, best))
     thresholds = tried.refits.thresholds
     identifiable = identifiability_of(base.metric, tried.signatures, thresholds, tuple(not_tried), names)
     odd = odd_touches(whitened, best)
-    return NamingResult(
+    naming = NamingResult(
         whitened, base, before, after, identifiable, tried.screened, scored, decision, tuple(not_tried), odd,
         thresholds,
     )  # fmt: skip
+    return with_profiles(naming, progress) if chosen.profile else naming
+
+
+def with_profiles(naming: NamingResult, progress: Callable[[str], None] = lambda text: None) -> NamingResult:
+    """Return a result whose intervals are those of the profile of the likelihood, where an effect is claimed.
+
+    The profile needs many plays: it is worth them once the answer is final. Without a claim the result is returned as
+    it is, with intervals by the curvature.
+
+    Parameters
+    ----------
+    naming : NamingResult
+        A result with intervals by the curvature.
+    progress : callable
+        Called with a word before the intervals are computed.
+    """
+    decision = naming.decision
+    if decision.best is None or decision.objections:
+        return naming
+    progress("intervals")
+    before, after = (
+        intervals(naming.whitened, fit, max(1.0, decision.left.dispersion)) for fit in (naming.base, decision.best.fit)
+    )
+    return replace(naming, intervals_before=before, intervals=after)
 
 
 @dataclass(frozen=True)
