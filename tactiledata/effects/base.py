@@ -94,9 +94,9 @@ class Effect:
 
     def is_null(self, values: Mapping[str, float]) -> bool:
         """Whether every strength has its null value, so that the effect changes nothing."""
-        return self._has_no_strength(self.complete(values))
+        return self.has_no_strength(self.complete(values))
 
-    def _has_no_strength(self, complete: Mapping[str, float]) -> bool:
+    def has_no_strength(self, complete: Mapping[str, float]) -> bool:
         """Whether every strength of complete values has its null value; shapes have none and do not count."""
         return all(parameter.null in (None, complete[parameter.name]) for parameter in self.parameters)
 
@@ -109,7 +109,7 @@ class Effect:
             A value outside its bounds, or a covariate that the touch does not state.
         """
         complete = self.complete(values)
-        return state if self._has_no_strength(complete) else self.applied(state, complete)
+        return state if self.has_no_strength(complete) else self.applied(state, complete)
 
     def applied(self, state: TouchState, complete: Mapping[str, float]) -> TouchState:
         """Return the state with the effect, for values that were completed before and are not all null."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple, Protocol
 
@@ -13,7 +13,7 @@ from tactiledata.arrays import Array, Indices, Mask
 from tactiledata.calibrate.bounds import BOUNDS, Bounds
 from tactiledata.effects.simulate.balance import Balance
 from tactiledata.effects.simulate.setting import EffectSetting
-from tactiledata.effects.simulate.simulator import Simulator, in_contact, with_effects
+from tactiledata.effects.simulate.simulator import Simulator, in_contact, with_effects, with_sensor_effects
 from tactiledata.effects.touch.response import BaseResponse
 from tactiledata.effects.touch.state import TouchState
 from tactiledata.effects.touch.touch import Touch
@@ -293,12 +293,13 @@ class TouchSet:
     ) -> Simulated:
         """Return what the sensor would read in one trajectory; gel solutions of the same request serve again."""
         if offsets is not None and offsets[number] != 0.0:
-            simulator = simulator.with_effects([EffectSetting("mount_offset", {"deeper": float(offsets[number])})])
-        request = material, in_contact(simulator.active(self.touches[number].touch))
+            simulator = simulator.with_effects([self._deeper(number, float(offsets[number]))])
+        active = simulator.active(self.touches[number].touch)
+        request = material, in_contact(active)
         # the same request as the near one: its solution is used, and effects of time and sensor are applied to it
         there = near.contacts[number] if near is not None else None
         if there is not None and there.request == request:
-            return _simulated(simulator.read(there.state))
+            return _simulated(with_sensor_effects(there.state, active))
         # the same request and start as the last one: the cached solution serves
         start_balance = there.balance if there is not None else None
         last = self._contacts.get(number)
@@ -307,13 +308,26 @@ class TouchSet:
                 request, start_balance, *simulator.contact_near(self._touch(number, material), start_balance)
             )
             self._contacts[number] = last
-        return _simulated(simulator.read(last.state))
+        return _simulated(with_sensor_effects(last.state, active))
+
+    def _deeper(self, number: int, offset: float) -> EffectSetting:
+        """Return the contact offset, m, of a trajectory as a setting; the last one where the offset is the same."""
+        kept = self._offsets.get(number)
+        if kept is None or kept.values["deeper"] != offset:
+            kept = EffectSetting("mount_offset", {"deeper": offset})
+            self._offsets[number] = kept
+        return kept
 
     def _touch(self, number: int, material: GelMaterial) -> Touch:
         """Return one trajectory on a gel; the last object, with its cached properties, where the gel is the same."""
         if number in self._contacts and self._contacts[number].request[0] == material:
             return self._contacts[number].state.touch
-        return replace(self.touches[number].touch, material=material)
+        return self.touches[number].touch.on(material)
+
+    @cached_property
+    def _offsets(self) -> dict[int, EffectSetting]:
+        """Last contact offset of each trajectory: several simulations in a row have the same one."""
+        return {}
 
     @cached_property
     def _contacts(self) -> dict[int, PlayedContact]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
@@ -64,11 +64,11 @@ class EffectSetting:
     @cached_property
     def is_null(self) -> bool:
         """Whether every strength is null, so that the setting changes nothing."""
-        return self.member.is_null(self.values)
+        return self.member.has_no_strength(self.values)
 
     def acts_on(self, touch: Touch) -> bool:
         """Whether a touch is among those to which the setting is restricted."""
-        return all(getattr(touch, name) == value for name, value in self.where.items())
+        return not self.where or all(getattr(touch, name) == value for name, value in self.where.items())
 
     def apply(self, state: TouchState) -> TouchState:
         """Return the state with the effect; the very same object where the setting does not act on the touch."""
@@ -94,8 +94,14 @@ class EffectSetting:
 
 def in_order(settings: Iterable[EffectSetting]) -> tuple[EffectSetting, ...]:
     """Return settings in the order in which they act: by slot, then by the table, then as given."""
-    place = {name: index for index, name in enumerate(EFFECTS)}
+    place = _places_in_table()
     return tuple(sorted(settings, key=lambda setting: (SLOTS.index(setting.member.slot), place[setting.effect])))
+
+
+@cache
+def _places_in_table() -> dict[str, int]:
+    """Place of each effect in the table."""
+    return {name: index for index, name in enumerate(EFFECTS)}
 
 
 def effects_document(settings: Iterable[EffectSetting], material: GelMaterial | None = None) -> dict[str, Any]:

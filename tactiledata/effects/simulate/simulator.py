@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -135,7 +135,7 @@ def _in_balance(
     # springs bent by a wrench, then the answer of the gel
     def after(felt: Array) -> TouchState:
         """Return the state after all effects where a wrench (n, 6) bends arm and stem."""
-        state = replace(start, felt=felt)
+        state = start.with_felt(felt)
         for setting in settings:
             state = setting.apply(state)
         return state

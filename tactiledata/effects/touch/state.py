@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -95,29 +95,41 @@ class TouchState:
         poses[:, 2, 3] -= self.offset
         return poses
 
+    def with_felt(self, felt: Array) -> TouchState:
+        """Return the state in which a wrench (n, 6) bends arm and stem."""
+        return self._changed(felt=felt)
+
+    def _changed(self, **fields: Any) -> TouchState:
+        """Return a state with other fields and nothing kept, as `dataclasses.replace` does; it reads no other field."""
+        changed = object.__new__(TouchState)
+        changed.__dict__.update(self.__dict__, **fields)
+        for kept in ("_answer", "contact"):
+            changed.__dict__.pop(kept, None)
+        return changed
+
     def moved(self, deeper: Array | float = 0.0, along: Array | float = 0.0) -> TouchState:
         """Return the state with the indenter deeper by (n,) m, and further by (n, 2) m along x and y."""
-        return replace(self, offset=self.offset + deeper, shift=self.shift + along)
+        return self._changed(offset=self.offset + deeper, shift=self.shift + along)
 
     def rubbed(self, factor: Array) -> TouchState:
         """Return the state with the friction multiplied by factors (n,); a factor below 0 counts as 0."""
-        return replace(self, friction=self.friction * np.maximum(factor, 0.0))
+        return self._changed(friction=self.friction * np.maximum(factor, 0.0))
 
     def stiffened(self, factor: Array) -> TouchState:
         """Return the state with the elastic wrench multiplied by factors (n,)."""
-        return self._as_asked(replace(self, stiffness=self.stiffness * factor))
+        return self._as_asked(self._changed(stiffness=self.stiffness * factor))
 
     def with_elastic(self, wrench: Array) -> TouchState:
         """Return the state with a wrench (n, 6) of the gel added, which its stiffness multiplies."""
-        return self._as_asked(replace(self, elastic=self.elastic + wrench))
+        return self._as_asked(self._changed(elastic=self.elastic + wrench))
 
     def with_interface(self, wrench: Array) -> TouchState:
         """Return the state with a wrench (n, 6) added that arises between indenter and gel."""
-        return self._as_asked(replace(self, interface=self.interface + wrench))
+        return self._as_asked(self._changed(interface=self.interface + wrench))
 
     def with_reading(self, wrench: Array) -> TouchState:
         """Return the state in which the sensor reads this wrench (n, 6)."""
-        return self._as_asked(replace(self, reading=wrench))
+        return self._as_asked(self._changed(reading=wrench))
 
     def covariate(self, name: str, effect: str) -> Any:
         """Return a field of the touch on which an effect depends.

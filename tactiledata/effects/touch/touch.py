@@ -146,6 +146,13 @@ class Touch:
         """Mean speed (n,), m/s, of the tip along the gel since the frame before; 0 at the first."""
         return np.divide(self.lateral_steps, self.time_steps, out=np.zeros(len(self)), where=self.time_steps > 0)
 
+    def on(self, material: GelMaterial) -> Touch:
+        """Return the touch on a gel of another material; steps of the path are kept, and nothing is checked again."""
+        touch = object.__new__(Touch)
+        steps = {"lateral_steps": self.lateral_steps, "time_steps": self.time_steps}
+        touch.__dict__.update(self.__dict__, **steps, material=material)
+        return touch
+
     def to_sensor(self, wrench: Array) -> Array:
         """Reading (n, 6) of the sensor, in its own frame, for a wrench (n, 6) on the indenter, gel frame.
 
