@@ -64,11 +64,11 @@ def image_vae_objective(
         section["divergence_weight"],
         section["anneal"],
         augmentation,
-        np.stack([*frames.backgrounds().values(), *(picture for _, picture in others)]),
-        relighting["relit"],
-        relighting["exchanged"],
-        relighting["contact_weight"],
-        relighting["gradient_weight"],
+        backgrounds=np.stack([*frames.backgrounds().values(), *(picture for _, picture in others)]),
+        relit=relighting["relit"],
+        exchanged=relighting["exchanged"],
+        contact_weight=relighting["contact_weight"],
+        gradient_weight=relighting["gradient_weight"],
     )
 
 

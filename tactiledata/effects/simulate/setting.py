@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
-from functools import cache, cached_property
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -94,14 +94,8 @@ class EffectSetting:
 
 def in_order(settings: Iterable[EffectSetting]) -> tuple[EffectSetting, ...]:
     """Return settings in the order in which they act: by slot, then by the table, then as given."""
-    place = _places_in_table()
+    place = {name: index for index, name in enumerate(EFFECTS)}
     return tuple(sorted(settings, key=lambda setting: (SLOTS.index(setting.member.slot), place[setting.effect])))
-
-
-@cache
-def _places_in_table() -> dict[str, int]:
-    """Place of each effect in the table."""
-    return {name: index for index, name in enumerate(EFFECTS)}
 
 
 def effects_document(settings: Iterable[EffectSetting], material: GelMaterial | None = None) -> dict[str, Any]:
