@@ -87,7 +87,7 @@ def test_the_page_says_all_that_the_document_says(store, tmp_path, capsys, monke
     """Every sentence of the document is on the page, those on causes of the zero first."""
     pytest.importorskip("matplotlib")
     cause = ZeroCause("tool_weight", 0.003, 0.4, 0.16, 0.1, {"mass": 0.03}, "In free air, a planted cause.")
-    monkeypatch.setattr(diagnose_store, "zero_causes", lambda zeros, seed: [cause])
+    monkeypatch.setattr(diagnose_store, "zero_causes", lambda zeros, seed, band: [cause])
     given = (store, "--fidelity", "linear", "--effects", "lag", "--no-pairs", "--gate")
     code, _, _ = diagnosed(capsys, monkeypatch, *given, "--out", tmp_path)
     assert code == 1
