@@ -3,6 +3,7 @@
 `base` states what every scheduler offers: results in the order of the tasks, with bounded memory.
 `local` runs tasks in this process or on local processes.
 `dask` sends tasks to a Dask cluster that sees the same files.
+`threads` keeps linear algebra to one thread where its matrices are small.
 
 The functions are the same everywhere, and so are their results. The room knows nothing of recordings or stores.
 """

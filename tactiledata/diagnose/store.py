@@ -7,6 +7,7 @@ from collections.abc import Callable
 from tactiledata.calibrate.measured import read_measured
 from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.calibrate.plays.learned_plays import example_touches
+from tactiledata.compute.threads import one_thread
 from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.diagnose.answer.diagnosis import StoreDiagnosis
 from tactiledata.diagnose.answer.other_steps import materials_of_meshes
@@ -87,29 +88,32 @@ def diagnose_store(
         naming_options = NamingOptions(
             effects=candidates_of(played), errors=errors, pairs=options.pairs, seed=options.seed, profile=False
         )
-        return name_effects(played.touch_set, played.start, naming_options, step_progress)
+        with one_thread():
+            return name_effects(played.touch_set, played.start, naming_options, step_progress)
 
     # what the examples tell, whose plays come first
     if preview is not None and options.fidelity == "finite-strain":
         _preview(opened, calibration, play_progress, name, preview)
     # name what is missing
     played, naming, full_plays = named_with_full_plays(play, name, lambda naming: first_answer(Answer(naming).what[0]))
-    naming, candidates = with_profiles(naming, step_progress), candidates_of(played)
-    # compare on data that had no part in the fit
-    shown = show(naming, options.seed, step_progress)
-    # a formula where no known effect explains what is missing
-    formula = None
-    if Answer(naming).is_missing and not shown.names:
-        step_progress("looking for a formula")
-        residuals = case_residuals(naming.whitened, naming.base)
-        known = signature_fields(
-            naming.whitened, naming.base, [name for name in candidates if name not in naming.not_tried]
-        )
-        how = locating(naming.whitened, naming.base, options.seed)
-        formula = explain(residuals, how, "seconds", signatures=known, located=shown.located)
-    # what to record next, limits of the recordings, causes of drifting zeros
-    step_progress("what to record next")
-    proposals = propose_trials(naming)
+    candidates = candidates_of(played)
+    with one_thread():
+        naming = with_profiles(naming, step_progress)
+        # compare on data that had no part in the fit
+        shown = show(naming, options.seed, step_progress)
+        # a formula where no known effect explains what is missing
+        formula = None
+        if Answer(naming).is_missing and not shown.names:
+            step_progress("looking for a formula")
+            residuals = case_residuals(naming.whitened, naming.base)
+            known = signature_fields(
+                naming.whitened, naming.base, [name for name in candidates if name not in naming.not_tried]
+            )
+            how = locating(naming.whitened, naming.base, options.seed)
+            formula = explain(residuals, how, "seconds", signatures=known, located=shown.located)
+        step_progress("what to record next")
+        proposals = propose_trials(naming)
+    # limits of the recordings, causes of drifting zeros
     readings = StoreReadings(opened)
     free = readings.zeros()
     remarks = [*limits(played.touch_set, naming.base.model.material), *filter(None, [no_zeros(free)])]
