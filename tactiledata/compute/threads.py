@@ -8,7 +8,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """Keep linear algebra to one thread while the block runs.
+    """Keep linear algebra to one thread while a block, or the decorated function, runs.
 
     Matrices of some hundred rows are multiplied in microseconds. Threads of OpenBLAS and OpenMP wait for the next
     product by spinning: with two of them a naming takes four times as much of the processors, and no less time.

@@ -88,8 +88,7 @@ def diagnose_store(
         naming_options = NamingOptions(
             effects=candidates_of(played), errors=errors, pairs=options.pairs, seed=options.seed, profile=False
         )
-        with one_thread():
-            return name_effects(played.touch_set, played.start, naming_options, step_progress)
+        return name_effects(played.touch_set, played.start, naming_options, step_progress)
 
     # what the examples tell, whose plays come first
     if preview is not None and options.fidelity == "finite-strain":

@@ -40,7 +40,7 @@ def quiet():
 
 
 def test_the_level_holds_over_many_nulls():
-    """At most two of 14 simulated worlds in which no effect is hidden are said to have structure in their residual.
+    """The test for structure in residuals gives an alarm in at most two of 14 simulated worlds without hidden effects.
 
     Their contact laws err, their offsets jitter, and their noise has memory.
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tactiledata.arrays import Array
+from tactiledata.compute.threads import one_thread
 from tactiledata.diagnose.naming.decide import Decision
 from tactiledata.diagnose.naming.error_sizes import (
     size_penalty,
@@ -76,6 +77,7 @@ class NamingResult:
     thresholds: DecisionThresholds = DEFAULT_THRESHOLDS
 
 
+@one_thread()
 def name_effects(
     touch_set: TouchSet,
     material: GelMaterial,

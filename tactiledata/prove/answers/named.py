@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-from tactiledata.compute.threads import one_thread
 from tactiledata.diagnose.answer.sentences import Answer
 from tactiledata.diagnose.naming.full_plays import FullPlay, named_with_full_plays
 from tactiledata.diagnose.naming.name_effects import NamingResult, name_effects
@@ -110,8 +109,7 @@ def named_world(
         return _PlayedSet(replace(touch_set, base=PlayedFamily(played.maker.touches, plays)), plays)
 
     def name(one: _PlayedSet) -> NamingResult:
-        with one_thread():
-            return name_effects(one.touch_set, START, options)
+        return name_effects(one.touch_set, START, options)
 
     if not in_full:
         return NamedWorld(recorded, touch_set, name(play(frozenset())), ())

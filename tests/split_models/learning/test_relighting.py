@@ -81,7 +81,7 @@ def test_touches_weigh_more():
 
 
 def test_errors_of_gradients_by_hand():
-    """Of two pixels that err by 3 and 1 the difference errs by 2; a factor counts for the latter pixel of each two."""
+    """`gradient_error` returns the value computed by hand for four pixels, without and with factors on errors."""
     difference = torch.zeros(1, 3, 2, 2)
     difference[0, :, 0] = torch.tensor([3.0, 1.0])
     # along: 2 and 0 in each channel; down: 3 and 1
