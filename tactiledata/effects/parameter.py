@@ -24,6 +24,7 @@ DIMENSIONS: dict[str, tuple[int, int, int]] = {
     "N/rad": (0, 1, 0),
     "rad/(N m)": (-1, -1, 0),
     "Pa": (-2, 1, 0),
+    "1/Pa": (2, -1, 0),
     "J/m^2": (-1, 1, 0),
     "kg": (-1, 1, 2),
     "kg m": (0, 1, 2),

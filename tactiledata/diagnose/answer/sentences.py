@@ -338,6 +338,7 @@ def _candidate_row(candidate: ScoredCandidate, thresholds: DecisionThresholds) -
         "indenter_error": None if is_alone else candidate.indenter_error,
         "excess_share": candidate.excess_share,
         "signature": [candidate.signature_before, candidate.signature_after],
+        "trend": None if candidate.trend is None else [candidate.trend.share, candidate.trend.error],
         "implausible": list(candidate.implausible),
         "at_bounds": list(candidate.at_bounds),
     }

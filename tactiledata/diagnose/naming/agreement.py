@@ -1,4 +1,4 @@
-"""How well the trajectories agree on an effect: the signature statistic."""
+"""How well the trajectories agree on an effect: the signature statistic, and whether its strength changes with time."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactiledata.arrays import Array
+from tactiledata.arrays import Array, Indices
 from tactiledata.diagnose.naming.metric import RandomEffects
 
 LARGEST_LEVERAGE = 0.98
@@ -64,3 +64,42 @@ def agreement(metric: RandomEffects, change: Array, residual: Array) -> Agreemen
     leverage = np.clip(squares / total, 0.0, LARGEST_LEVERAGE)
     spread = float((((scores - squares * share) / (1.0 - leverage)) ** 2).sum())
     return Agreement(share, float(np.sqrt(max(spread, 1e-300))) / total)
+
+
+def strength_trend(
+    metric: RandomEffects, change: Array, residual: Array, seconds: Array, indenter: Indices
+) -> Agreement | None:
+    """Return by which share of itself an effect is stronger in the last trajectories than in the middle of the session.
+
+    The residual is that of a fit in which the effect has one strength. It is regressed on the effect's change times
+    the trajectory's time, which runs from -1 for the first to 1 for the last. A strength of its own for each indenter
+    counts for nothing, since errors of a simulation differ by indenter, but cannot know the time.
+
+    Parameters
+    ----------
+    metric : RandomEffects
+        What a refit of all other numbers can imitate counts for nothing in it.
+    change, residual : (N, 6)
+        Whitened; what the fitted effect changes, and what the fit leaves.
+    seconds : (t,) s
+        Time of each trajectory since the sensor was switched on.
+    indenter : (t,)
+        Number of the indenter of each trajectory.
+
+    Returns
+    -------
+    Agreement, optional
+        Its share s says that the effect has 1 + s times its strength in the last trajectory, and 1 - s times in the
+        first. ``None`` where all trajectories have the same time, or times that are not known.
+    """
+    low, high = float(seconds.min()), float(seconds.max())
+    if not high > low:
+        return None
+    counts = np.diff(metric.starts, append=len(change))
+    late = np.repeat((2.0 * seconds - low - high) / (high - low), counts)[:, None] * change
+    of_row = np.repeat(indenter, counts)
+    own = np.stack([change * (of_row == number)[:, None] for number in np.unique(indenter)], axis=2)
+    # both without the shares of indenters, in the metric (Frisch, Waugh and Lovell)
+    both = np.stack([late, residual], axis=2)
+    left = both - own @ (np.linalg.pinv(metric.products(own, own), hermitian=True) @ metric.products(own, both))
+    return agreement(metric, left[:, :, 0], left[:, :, 1])

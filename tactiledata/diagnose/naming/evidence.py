@@ -37,21 +37,17 @@ from functools import cached_property
 import numpy as np
 
 from tactiledata.arrays import Array
-from tactiledata.diagnose.naming.agreement import agreement
+from tactiledata.diagnose.naming.agreement import Agreement, agreement
 from tactiledata.diagnose.naming.held_out import GroupedCosts
+from tactiledata.diagnose.naming.intervals import range_checks
 from tactiledata.diagnose.naming.joint_fit import JointFit
-from tactiledata.diagnose.naming.signatures import MATERIAL, POISSON_RATIO
+from tactiledata.diagnose.naming.signatures import POISSON_RATIO
 from tactiledata.diagnose.naming.thresholds import DecisionThresholds
-from tactiledata.diagnose.residuals.wording import quantity
 
-AT_BOUND = 0.01
-"""Share of the width of its bounds within which a fitted number counts as standing at a bound."""
 MOST_INFLUENTIAL = 2
 """Trajectories on which no claim may depend: two of 25 gained 43 together in a world where nothing was missing."""
 INDENTER_PLACES = ("indenter_name", "mount")
 """Values of `Effect.varies_by` whose numbers differ by indenter: others say nothing about a held-out one."""
-IMPLAUSIBLE_SIGMAS = 2.0
-"""Standard errors by which a strength must exceed its plausible range to count against an effect."""
 
 
 @dataclass(frozen=True)
@@ -82,6 +78,9 @@ class ScoredCandidate:
         Contribution of each trajectory to the evidence, before the Occam penalty and the priors of shared numbers.
     error_size : float
         Size of the simulation's errors beside the refit, in the usual one: what the effects explain is no error.
+    trend : Agreement, optional
+        How the strength of a single effect changes during the session, `agreement.strength_trend`; ``None`` where that
+        is not known, or where the effect itself changes with what happened before.
     """
 
     fit: JointFit
@@ -96,6 +95,7 @@ class ScoredCandidate:
     evidence: float
     evidence_per_trajectory: Array
     error_size: float = 1.0
+    trend: Agreement | None = None
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -207,11 +207,12 @@ class ScoredCandidate:
     def objections(self, thresholds: DecisionThresholds) -> tuple[str, ...]:
         """Return sentences that say why the candidate cannot be claimed; empty where it can.
 
-        There are nine: too little evidence; evidence from two trajectories; an uncertain gain; a larger error on
+        There are ten: too little evidence; evidence from two trajectories; an uncertain gain; a larger error on
         indenters that were held out; too little of the excess gone on data that were not fitted; trajectories that do
         not agree; a signature that the refit has not removed; less than ``at_bound`` times the needed evidence where nu
-        stands at an end of its range beside an effect that errors of the simulation resemble; and strengths that are
-        not plausible, unless the effect is the whole cause (`is_whole_cause`).
+        stands at an end of its range beside an effect that errors of the simulation resemble; a strength that changes
+        during the session; and strengths that are not plausible, unless the effect is the whole cause
+        (`is_whole_cause`).
         """
         needed, reasons = self.needed(thresholds), []
         if self.evidence < needed:
@@ -244,6 +245,12 @@ class ScoredCandidate:
             reasons.append(
                 f"{POISSON_RATIO} stands at an end of the range that was tried, where errors of the simulation bring up"
                 f" to {at_bound:.0f}"
+            )
+        if self.trend is not None and thresholds.is_trend(self.trend.share, self.trend.standard_errors):
+            first, last = 100 * (1.0 - self.trend.share), 100 * (1.0 + self.trend.share)
+            reasons.append(
+                f"it behaves like {self.label}, whose strength would be constant: in the first trajectory it has"
+                f" {first:.0f} %, in the last {last:.0f} % of the fitted strength"
             )
         if self.implausible and not self.is_whole_cause(thresholds):
             reasons.extend(f"{name} is not plausible" for name in self.implausible)
@@ -316,34 +323,3 @@ def _excess_share(gone: float, excess: float) -> float:
 def error_of_sum(gains: Array) -> float:
     """Return the standard error of the sum of independent gains (t,); not a number for fewer than two."""
     return float(np.sqrt(len(gains)) * gains.std(ddof=1)) if len(gains) > 1 else float("nan")
-
-
-def range_checks(fit: JointFit) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return implausible strengths of a fit as "name = value", and names of fitted numbers that stand at a bound.
-
-    A strength is implausible where it exceeds `Parameter.beyond`'s limit by ``IMPLAUSIBLE_SIGMAS`` standard errors.
-    """
-    errors = np.sqrt(np.maximum(np.diag(fit.covariance), 0.0))[3:]
-    implausible, at_bounds = [], []
-    # E, nu and mu
-    gel, box = fit.model.material, fit.model.box
-    for symbol, value, low, high in zip(
-        MATERIAL, (gel.youngs_modulus, gel.poisson_ratio, gel.friction), box.low, box.high, strict=True
-    ):
-        if min(value - low, high - value) < AT_BOUND * (high - low):
-            at_bounds.append(symbol)
-    # numbers of the effects
-    for coordinate, error in zip(fit.model.coordinates, errors, strict=False):
-        setting = fit.model.settings[coordinate.setting_index]
-        value, name = setting.values[coordinate.parameter.name], fit.model.name_of(coordinate)
-        low, high = coordinate.bounds
-        unit = coordinate.to_unit(value)
-        # a strength that cannot be negative has its null at a bound, which is no sign of a poor fit
-        is_null = coordinate.is_strength and value == coordinate.parameter.null
-        if not is_null and min(unit - low, high - unit) < AT_BOUND * (high - low):
-            at_bounds.append(name)
-        if not coordinate.is_strength:
-            continue
-        if coordinate.parameter.beyond(value) > IMPLAUSIBLE_SIGMAS * error * coordinate.scale:
-            implausible.append(f"{name} = {quantity(value, coordinate.parameter.unit)}")
-    return tuple(implausible), tuple(at_bounds)

@@ -1,4 +1,4 @@
-"""95 % intervals of fitted numbers, by the profile of the likelihood or by its curvature at the optimum."""
+"""How certain fitted numbers are: 95 % intervals by profile or curvature, numbers at a bound, implausible strengths."""
 
 from __future__ import annotations
 
@@ -9,12 +9,17 @@ import numpy as np
 from tactiledata.calibrate.intervals import RISE
 from tactiledata.diagnose.naming.joint_fit import JointFit, least_cost
 from tactiledata.diagnose.naming.signatures import MATERIAL
+from tactiledata.diagnose.residuals.wording import quantity
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
 
 TURNS = 3
 """Largest number of refits in which the end of an interval is searched."""
 ROUNDS = 3
 """Largest number of rounds of each of these refits, which start near their optimum."""
+AT_BOUND = 0.01
+"""Share of the width of its bounds within which a fitted number counts as standing at a bound."""
+IMPLAUSIBLE_SIGMAS = 2.0
+"""Standard errors by which a strength must exceed its plausible range to count against an effect."""
 
 
 @dataclass(frozen=True)
@@ -126,3 +131,34 @@ def _value(fit: JointFit, entry: int, unit_value: float) -> float:
     if entry == 0:
         return float(np.exp(unit_value))
     return float(unit_value) if entry < 3 else fit.model.coordinates[entry - 3].to_value(unit_value)
+
+
+def range_checks(fit: JointFit) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return implausible strengths of a fit as "name = value", and names of fitted numbers that stand at a bound.
+
+    A strength is implausible where it exceeds `Parameter.beyond`'s limit by ``IMPLAUSIBLE_SIGMAS`` standard errors.
+    """
+    errors = np.sqrt(np.maximum(np.diag(fit.covariance), 0.0))[3:]
+    implausible, at_bounds = [], []
+    # E, nu and mu
+    gel, box = fit.model.material, fit.model.box
+    for symbol, value, low, high in zip(
+        MATERIAL, (gel.youngs_modulus, gel.poisson_ratio, gel.friction), box.low, box.high, strict=True
+    ):
+        if min(value - low, high - value) < AT_BOUND * (high - low):
+            at_bounds.append(symbol)
+    # numbers of the effects
+    for coordinate, error in zip(fit.model.coordinates, errors, strict=False):
+        setting = fit.model.settings[coordinate.setting_index]
+        value, name = setting.values[coordinate.parameter.name], fit.model.name_of(coordinate)
+        low, high = coordinate.bounds
+        unit = coordinate.to_unit(value)
+        # a strength that cannot be negative has its null at a bound, which is no sign of a poor fit
+        is_null = coordinate.is_strength and value == coordinate.parameter.null
+        if not is_null and min(unit - low, high - unit) < AT_BOUND * (high - low):
+            at_bounds.append(name)
+        if not coordinate.is_strength:
+            continue
+        if coordinate.parameter.beyond(value) > IMPLAUSIBLE_SIGMAS * error * coordinate.scale:
+            implausible.append(f"{name} = {quantity(value, coordinate.parameter.unit)}")
+    return tuple(implausible), tuple(at_bounds)

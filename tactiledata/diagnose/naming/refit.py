@@ -7,10 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from tactiledata.diagnose.naming.agreement import Agreement, strength_trend
 from tactiledata.diagnose.naming.decide import Decision, decide
 from tactiledata.diagnose.naming.error_sizes import estimated_sizes, typical_size
-from tactiledata.diagnose.naming.evidence import ScoredCandidate, range_checks, score_candidate
+from tactiledata.diagnose.naming.evidence import ScoredCandidate, score_candidate
 from tactiledata.diagnose.naming.held_out import GroupedCosts, held_out
+from tactiledata.diagnose.naming.intervals import range_checks
 from tactiledata.diagnose.naming.joint_fit import JointFit, joint_fit
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.naming.parameters import joint_model
@@ -21,11 +23,14 @@ from tactiledata.diagnose.naming.strength import Strength
 from tactiledata.diagnose.naming.thresholds import DecisionThresholds
 from tactiledata.diagnose.naming.ties import ties_of_two
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
+from tactiledata.effects import EFFECTS
 from tactiledata.effects.simulate.setting import EffectSetting
 from tactiledata.errors import UsageError
 
 WEAK = 0.05
 """Share of the screen's strengths from which a refit starts that did not end below the plain fit."""
+PAST = ("powered", "earlier_depth", "earlier_contacts")
+"""Fields of a touch that say what happened before it."""
 COMPARABLE = 0.8
 """Another effect is tried in place of a named one if its score is at least this share of the named one's."""
 
@@ -143,7 +148,7 @@ class Refits:
             # what an effect explains is no error of the simulation
             size = typical_size(estimated_sizes(self.whitened, fit))
             scored = score_candidate(self.base, fit, base_out, out, float(expected.sum()), dispersion, size)
-            return with_penalty(scored, self.size_penalty / dispersion)
+            return replace(with_penalty(scored, self.size_penalty / dispersion), trend=self.trend(fit))
 
         # scores and decision
         scored = [score_of(fit, out) for fit, out in zip((*singles, *pairs), outs, strict=True)]
@@ -162,6 +167,23 @@ class Refits:
         known = {frozenset(candidate.names) for candidate in scored}
         scored += [substitute for _, substitute in substitutes if frozenset(substitute.names) not in known]
         return scored, replace(decision, ties=ties)
+
+    def trend(self, fit: JointFit) -> Agreement | None:
+        """Return how the strength of a single effect changes during the session; ``None`` where that is not known.
+
+        It is known where all touches state the time since their sensor was switched on. Effects that depend on what
+        happened before a touch change with time by themselves.
+        """
+        touches = self.whitened.touch_set.touches
+        if len(fit.names) != 1 or set(EFFECTS[fit.names[0]].needs) & set(PAST):
+            return None
+        times = [case.touch.powered for case in touches]
+        known = [float(time.mean()) for time in times if time is not None]
+        if len(known) < len(touches):
+            return None
+        return strength_trend(
+            fit.beside, fit.effect_change, fit.residual_beside, np.array(known), self.whitened.indenter
+        )
 
     def substitutes(self, pair: JointFit, singles: Sequence[JointFit]) -> list[tuple[str, JointFit]]:
         """Return refits in which another single replaces one effect of a pair, each with the name of the kept effect.

@@ -90,6 +90,9 @@ class DecisionThresholds:
     decisive_signature : float
         Signature statistic from which the share of the excess no longer counts: what else the simulation lacks leaves
         an excess of its own.
+    trend_sigmas, trend_share : float
+        An effect whose strength changes during the session is not named: the change from the middle of the session to
+        its end has so many standard errors, and is so large a share of the strength.
     least_excess_share : float
         Share of the excess that a claim must remove on indenters held out.
     main_cause_share : float
@@ -159,6 +162,8 @@ class DecisionThresholds:
     certain_signature: float = 4.0
     signature_threshold: float = 3.0
     decisive_signature: float = 7.0
+    trend_sigmas: float = 4.0
+    trend_share: float = 0.15
     least_excess_share: float = 0.05
     main_cause_share: float = 0.5
     whole_cause_share: float = 0.9
@@ -213,6 +218,10 @@ class DecisionThresholds:
     def needed(self, names: Sequence[str]) -> float:
         """Return the evidence that a candidate of these effects needs."""
         return sum(self.claim(name) for name in names)
+
+    def is_trend(self, share: float, standard_errors: float) -> bool:
+        """Return whether a strength changes during the session, from `agreement.strength_trend`."""
+        return abs(share) >= self.trend_share and abs(standard_errors) >= self.trend_sigmas
 
     def visible(self, name: str) -> float:
         """Return the signal-to-noise ratio s from which an effect can be claimed.

@@ -6,19 +6,26 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from tactiledata.arrays import Array
 from tactiledata.effects.base import Effect
 from tactiledata.effects.parameter import shape, strength
 from tactiledata.effects.touch.state import TouchState
 
 
 class AreaFriction(Effect):
-    """Friction F_t = tau A + alpha N, alpha = mu - tau / p0: it is as simulated at the mean pressure p0.
+    """Friction follows the area of contact: a shear strength is added to Coulomb's law, or limits it.
 
-    The factor on mu is 1 + tau / mu (A / N - 1 / p0): light, wide contacts have a larger mu; that of a ball is
-    about in proportion to N^(-1/3).
+    Added: F_t = tau A + alpha N, alpha = mu - tau / p0. The factor on mu is 1 + tau / mu (A / N - 1 / p0): light, wide
+    contacts have a larger mu; that of a ball is about in proportion to N^(-1/3).
+
+    Limited: nowhere in the contact is the shear stress larger than 1 / saturation. With Coulomb's law below it and
+    Hertz's pressure, whose mean is p, F_t = mu N (3 k - k^3) / 2, k = 2 / (3 mu p saturation), at most 1. Under high
+    pressure F_t = A / saturation, as where only a shear strength acts.
+
+    In both, friction is as simulated at the mean pressure p0.
 
     Source: Bowden and Tabor's shear strength; Trejo, Fretigny and Chateauminois, arXiv 1701.08013: under a smooth lens
-    the local shear stress on rubber does not depend on pressure.
+    the local shear stress on rubber does not depend on pressure. The sum over Hertz's pressure is ours.
     """
 
     name = "area_friction"
@@ -28,6 +35,11 @@ class AreaFriction(Effect):
         strength(
             "shear_strength", "Pa", "tau: friction per area of contact",
             bounds=(-2e5, 4e5), plausible=(0.0, 4e5), deviation=1e5, source="0.05 to 0.4 MPa of silicones",
+        ),
+        strength(
+            "saturation", "1/Pa", "1 over the largest shear stress that the interface carries",
+            bounds=(0.0, 1e-4), plausible=(0.0, 2e-5), deviation=5e-6, grid=(2.5e-6, 1e-5),
+            source="0.05 to 0.4 MPa of silicones",
         ),
         shape(
             "pressure", "Pa", "p0: mean pressure at which friction is as simulated",
@@ -51,4 +63,25 @@ class AreaFriction(Effect):
         normal = contact.wrench[:, 2]
         presses = contact.touching & (normal > 0)
         spread = np.divide(contact.area, normal, out=np.full_like(normal, 1.0 / values["pressure"]), where=presses)
-        return state.rubbed(1.0 + values["shear_strength"] / mu * (spread - 1.0 / values["pressure"]))
+        added = 1.0 + values["shear_strength"] / mu * (spread - 1.0 / values["pressure"])
+        usual = np.array([1.0 / values["pressure"]])
+        limited = (_share_of_coulomb(one, mu * values["saturation"]) for one in (spread, usual))
+        return state.rubbed(added * np.divide(*limited))
+
+
+def _share_of_coulomb(spread: Array, softness: float) -> Array:
+    """Share (n,) of Coulomb's friction that a limited shear stress leaves under Hertz's pressure.
+
+    Parameters
+    ----------
+    spread : (n,) 1/Pa
+        Area of contact over normal force.
+    softness : 1/Pa
+        Coefficient of friction over the largest shear stress.
+    """
+    if softness == 0.0:
+        return np.ones_like(spread)
+    # radius, over that of the contact, within which the stress is limited: sqrt(1 - k^2)
+    k = np.minimum(1.0, 2.0 * spread / (3.0 * softness))
+    limited: Array = 0.5 * (3.0 * k - k**3)
+    return limited

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tactiledata.diagnose.naming.agreement import agreement
+from tactiledata.diagnose.naming.agreement import agreement, strength_trend
 from tactiledata.diagnose.naming.metric import RandomEffects
 
 TRAJECTORIES, FRAMES = 20, 6
@@ -54,3 +54,30 @@ def test_how_much_touches_tell_is_no_disagreement():
     gains = 0.5 * (residual**2 - (residual - change) ** 2).sum(axis=1).reshape(TRAJECTORIES, FRAMES).sum(axis=1)
     of_gains = gains.sum() / (np.sqrt(TRAJECTORIES) * gains.std(ddof=1))
     assert agreement(metric, change, residual).standard_errors > 5 * of_gains
+
+
+def trend_of(seed, growth, by_indenter=0.0):
+    """The trend found where a strength grows linearly by so much to the end of a session, and differs by indenter."""
+    chance = np.random.default_rng(seed)
+    change = change_of(chance)
+    seconds = np.sort(chance.uniform(100.0, 2000.0, TRAJECTORIES))
+    time = (2 * seconds - seconds[0] - seconds[-1]) / (seconds[-1] - seconds[0])
+    indenter = np.arange(TRAJECTORIES) * 4 // TRAJECTORIES
+    share = np.repeat(growth * time + by_indenter * indenter, FRAMES)[:, None]
+    noisy = share * change + chance.normal(size=change.shape)
+    return strength_trend(plain_metric(), change, noisy, seconds, indenter)
+
+
+@pytest.mark.parametrize("growth", [0.0, 0.3, -0.5])
+def test_a_planted_trend_is_found_within_its_error(growth):
+    """200 worlds in which indenters follow one another: what differs by indenter is no trend."""
+    found = [trend_of(seed, growth, by_indenter) for seed in range(200) for by_indenter in (0.0, 2.0)]
+    z = np.array([(one.share - growth) / one.error for one in found])
+    assert abs(z.mean()) < 4 / np.sqrt(200)
+    assert 0.7 < z.std() < 1.35
+
+
+def test_without_time_there_is_no_trend():
+    """Trajectories at one time say nothing about it."""
+    change, indenter = change_of(np.random.default_rng(3)), np.zeros(TRAJECTORIES, dtype=int)
+    assert strength_trend(plain_metric(), change, change, np.full(TRAJECTORIES, 7.0), indenter) is None

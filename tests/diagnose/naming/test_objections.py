@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from candidates import EASY, HARD, TRAJECTORIES, candidate, scattered, with_evidence
 
+from tactiledata.diagnose.naming.agreement import Agreement
 from tactiledata.diagnose.naming.evidence import score_candidate
 from tactiledata.diagnose.naming.held_out import GroupedCosts
 from tactiledata.diagnose.naming.metric import RandomEffects
@@ -54,6 +55,22 @@ def test_one_respect_is_enough_for_an_objection(changed, words):
     """Each is raised alone, and says what it is about."""
     (said,) = candidate(EASY, **changed).objections(T)
     assert words in said
+
+
+def test_a_strength_that_changes_with_time_is_an_objection():
+    """The change must be certain and large, in either direction; the sentence says what the effect is like."""
+    error = 0.01
+    certain, large = 1.01 * T.trend_sigmas * error, 1.01 * T.trend_share
+    share = max(certain, large)
+    for sign in (1, -1):
+        (said,) = candidate(EASY, trend=Agreement(sign * share, error)).objections(T)
+        assert f"behaves like {EASY}" in said
+        assert f"in the last {100 * (1 + sign * share):.0f} %" in said
+    small = Agreement(0.99 * T.trend_share, 1e-6)
+    uncertain = Agreement(0.99 * T.trend_sigmas * 0.2, 0.2)
+    assert uncertain.share > T.trend_share
+    for trend in (small, uncertain, None):
+        assert candidate(EASY, trend=trend).objections(T) == ()
 
 
 def test_trajectories_that_do_not_agree_are_an_objection():

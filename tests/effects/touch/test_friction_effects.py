@@ -43,6 +43,28 @@ def test_area_friction_is_a_sum_of_area_and_load(touch, play, moved):
         assert np.hypot(*state.wrench[-1, :2]) == pytest.approx(wanted)
 
 
+@pytest.mark.parametrize("saturation", [1e-6, 4e-6, 2e-5])
+def test_a_limited_shear_stress_is_summed_over_hertzs_pressure(touch, play, moved, saturation):
+    """The plateau is the sum of min(mu p(r), tau) over rings of a Hertzian contact, over that of the usual pressure."""
+    p0, mu = 2e5, touch.material.friction
+    radii = (np.arange(20_000) + 0.5) / 20_000
+
+    def of_coulomb(mean):
+        pressure = 1.5 * mean * np.sqrt(1.0 - radii**2)
+        return float(np.sum(np.minimum(mu * pressure, 1.0 / saturation) * radii) / np.sum(mu * pressure * radii))
+
+    for depth in (2e-4, 5e-4, 1e-3):
+        path = slide(touch, moved, np.linspace(0.0, 4e-3, 41))
+        path.poses[1:, 2, 3] = -depth
+        state = play("area_friction", on=path, saturation=saturation, pressure=p0)
+        mean = state.wrench[-1, 2] / state.contact.area[-1]
+        assert state.friction[-1] == pytest.approx(of_coulomb(mean) / of_coulomb(p0), rel=1e-6)
+        if saturation == 2e-5:
+            # a shear strength alone: in proportion to the area
+            share = p0 * state.contact.area[-1] / state.wrench[-1, 2]
+            assert state.friction[-1] == pytest.approx(share, rel=0.12)
+
+
 def test_rate_friction_is_a_line_over_the_logarithm_of_speed(touch, play, moved):
     """Plateaus at four speeds lie on mu (1 + beta log10(v / v0)); a rest keeps what the last move had."""
     for speed in (1e-4, 3e-4, 1e-3, 1e-2):
