@@ -16,6 +16,7 @@ from tactiledata.errors import UsageError
 
 if TYPE_CHECKING:
     from tactiledata.prove.request import ProofRequest
+    from tactiledata.prove.seal.compare import Comparison
     from tactiledata.prove.seal.folder import ProofFolder
 
 SEEDS = 2**31
@@ -34,6 +35,11 @@ def prove(
         None, "--verify", help="Check the proof in this folder, without any simulation; exit 1 where it does not fit."
     ),
     root: str = typer.Option(None, "--root", help="With --verify: the root that was published before the answers."),
+    against: Path = typer.Option(
+        None,
+        "--against",
+        help="With --verify: a copy of the proof that another machine answered; answers are compared.",
+    ),
     quick: bool = typer.Option(False, "--quick", help="20 cases of a small plan, in some minutes."),
     generators: str = typer.Option("layer,analytic", "--generators", help="Of layer, analytic, element."),
     plans: str = typer.Option("wedge-2", "--plans", help="Plans of touches: wedge-N, wedge-NxTOUCHES, mounts-N."),
@@ -76,10 +82,13 @@ def prove(
             "--out FOLDER runs a proof, --verify FOLDER checks one.",
         )  # fmt: skip
     if verify is not None:
-        _verify(ProofFolder(verify), root, as_json)
+        _verify(ProofFolder(verify), root, None if against is None else ProofFolder(against), as_json)
         return
-    if root is not None:
-        raise UsageError("--root with --out", "--root with --verify", "Leave the option out: it would change nothing.")
+    for option, value in (("--root", root), ("--against", against)):
+        if value is not None:
+            raise UsageError(
+                f"{option} with --out", f"{option} with --verify", "Leave the option out: it would change nothing."
+            )
     if not 0 <= seed < SEEDS:
         raise UsageError(f"--seed {seed}", f"0 or more, below {SEEDS}", "Any of these numbers serves.")
     counts = {
@@ -185,13 +194,15 @@ def _run(
     say(f"written: {folder.score}, {folder.page}")
 
 
-def _verify(folder: ProofFolder, root: str | None, as_json: bool) -> None:
+def _verify(folder: ProofFolder, root: str | None, other: ProofFolder | None, as_json: bool) -> None:
     """Check a proof and print what was found; exit with 1 where something does not fit."""
+    from tactiledata.prove.seal.compare import compare
     from tactiledata.prove.seal.verify import verify
 
     found = verify(folder, root, look_for_leaks=True)
+    compared = None if other is None else compare(folder, other)
     if as_json:
-        emit(found.document)
+        emit(found.document if compared is None else {**found.document, "compared": compared.document})
     else:
         for fault in found.faults:
             say(f"does not fit: {fault}")
@@ -201,8 +212,24 @@ def _verify(folder: ProofFolder, root: str | None, as_json: bool) -> None:
         say(f"{whole}: {counted(found.cases, 'case')}, {counted(found.answers, 'answer')}. Root: {found.root}")
         if found.score is not None and not found.faults:
             print_score(found.score)
+        if compared is not None:
+            print_comparison(compared)
     if found.faults:
         raise typer.Exit(1)
+
+
+def print_comparison(compared: Comparison) -> None:
+    """Print how far two sets of answers agree, as a table and a sentence for each difference."""
+    from tactiledata.prove.seal.compare import COMPARED
+
+    rows = []
+    for field, one in compared.document["agreed"].items():
+        low, high = one["interval"]
+        share = f"{100 * max(0.0, low):.0f} to {100 * min(1.0, high):.0f} %"
+        rows.append([COMPARED[field], f"{one['count']} of {compared.cases}", share])
+    table("Answers of two machines", ["what", "the same in", "95 % interval"], rows)
+    for sentence in compared.differences:
+        say(f"differs: {sentence}")
 
 
 def print_score(score: Any) -> None:

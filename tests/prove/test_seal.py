@@ -6,6 +6,7 @@ import shutil
 
 import numpy as np
 import pytest
+from command import run_command
 from sealed_proofs import REQUEST, answer_case, answered_proof, said, sealed_proof
 
 from tactiledata.cli.main import app
@@ -14,6 +15,7 @@ from tactiledata.diagnose.naming import options as naming_options
 from tactiledata.errors import StoreError, TactileDataError, UnsafeContent, UsageError
 from tactiledata.prove.run import ProofRun
 from tactiledata.prove.seal import sealing
+from tactiledata.prove.seal.compare import compare
 from tactiledata.prove.seal.folder import ProofFolder
 from tactiledata.prove.seal.leak import find_leak, leak_of
 from tactiledata.prove.seal.merkle import commitment, merkle_root, new_salt
@@ -191,6 +193,53 @@ def test_the_command_exits_with_1_where_something_does_not_fit(proof):
     done = CliRunner().invoke(app, ["prove", "--verify", str(proof.path), "--json"])
     assert done.exit_code == 1
     assert a_name(proof) in json.loads(done.output)["faults"][0]
+
+
+def test_answers_of_two_machines_are_compared_case_by_case(proof, tmp_path):
+    """Verdicts, names and sets that differ are counted and told; the order of names does not count, nor old answers."""
+    other = ProofFolder(tmp_path / "other")
+    shutil.copytree(proof.path, other.path)
+    null, *_ = names = [name for name, one in json.loads(proof.labels.read_text()).items() if not one["label"]["truth"]]
+    two = ["lag", "rate_friction"]
+    answer_case(proof, null, said(two), 2)
+    answer_case(other, null, said(["dome"]), 2)
+    answer_case(other, null, said(two[::-1]), 3)
+    same = compare(proof, other)
+    assert (same.cases, same.agreed, same.differences) == (12, {"verdict": 12, "names": 12, "set": 12}, ())
+    answer_case(other, names[1], said(["dome"]), 2)
+    answer_case(other, names[2], {**said([]), "set": ["dome"]}, 2)
+    found = compare(proof, other)
+    assert found.agreed == {"verdict": 11, "names": 11, "set": 10}
+    assert found.differences == tuple(sorted([
+        f"{names[1]}: verdict: nothing found, explained; named effects: none, dome; effects in the set: none, dome.",
+        f"{names[2]}: effects in the set: none, dome.",
+    ]))  # fmt: skip
+    low, high = found.document["agreed"]["set"]["interval"]
+    assert low < 10 / 12 < high
+
+
+def test_the_command_compares_answers_and_refuses_another_proof(whole, proof, tmp_path, capsys):
+    """Differences are printed, as JSON too; folders of two proofs, or without answers, are not compared."""
+    name = a_name(proof)
+    answer_case(proof, name, said(["dome"]), 2)
+    check = ("prove", "--verify", whole.path, "--against")
+    code, printed, _ = run_command(capsys, *check, proof.path)
+    assert code == 0
+    assert "11 of 12" in printed
+    assert f"differs: {name}: " in printed
+    code, printed, _ = run_command(capsys, *check, proof.path, "--json")
+    assert json.loads(printed)["compared"]["agreed"]["names"]["count"] == 11
+    for other, words in (
+        (sealed_proof(tmp_path / "anew").path, "two copies of one sealed proof"),
+        (tmp_path, "missing"),
+    ):
+        code, _, error = run_command(capsys, *check, other)
+        assert code != 0
+        assert words in error
+    assert run_command(capsys, "prove", "--out", tmp_path / "new", "--against", whole.path)[0] == 2
+    shutil.rmtree(proof.path / "answers")
+    with pytest.raises(UsageError, match="no case is answered"):
+        compare(whole, proof)
 
 
 def test_sealing_goes_on_where_it_was_killed(tmp_path, whole):

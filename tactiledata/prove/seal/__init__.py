@@ -6,4 +6,5 @@
 `sealing` gives drawn cases random names and writes the seal before any of them is diagnosed.
 `leak` asks whether names, sizes, stamps and order tell what is hidden.
 `verify` checks a proof without any simulator.
+`compare` says how far two copies of a proof agree that were answered on different machines.
 """
