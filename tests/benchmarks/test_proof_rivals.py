@@ -1,0 +1,55 @@
+"""Other methods on a proof's cases: what counts as right, and how differences are paired."""
+
+import numpy as np
+import pytest
+from proof_rivals import difference, is_right, judged, show
+from sealed_proofs import answered_proof
+
+from tactiledata.prove.seal.verify import scored_cases
+
+
+def test_names_are_right_by_the_rules_of_the_proof():
+    """Silence is right of nulls and of what no catalogue holds; else what is hidden is among the first two names."""
+    truth = frozenset(["lag"])
+    assert is_right("nulls", frozenset(), ())
+    assert not is_right("nulls", frozenset(), ("lag",))
+    assert is_right("outside", frozenset(), ())
+    assert is_right("visible", truth, ("dome", "lag"))
+    assert not is_right("visible", truth, ("dome", "skin", "lag"))
+    assert not is_right("visible", truth, ())
+    assert is_right("pairs", frozenset(["lag", "dome"]), ("lag", "dome"))
+    assert not is_right("pairs", frozenset(["lag", "dome"]), ("lag",))
+
+
+def test_differences_are_those_of_the_same_cases():
+    """Two methods that err in the same cases do not differ at all; the interval covers a planted difference."""
+    same = [True, False] * 10
+    assert difference(same, same) == (0.0, 0.0, 0.0)
+    chance, covered = np.random.default_rng(1), 0
+    for seed in range(100):
+        ours, other = chance.random(80) < 0.8, chance.random(80) < 0.5
+        _, low, high = difference(ours, other, seed)
+        covered += low <= 0.3 <= high
+    assert covered >= 88
+
+
+def test_the_table_has_our_answers_to_the_same_cases(tmp_path, capsys):
+    """Six nulls and six effects, one of which ours missed: always nothing is right of the nulls alone."""
+    cases = scored_cases(answered_proof(tmp_path / "proof"))
+    kept = [{"case": case.name, "method": "always nothing", "said": []} for case in cases]
+    found = judged(cases, kept)
+    assert sum(right for _, right, _ in found["always nothing"]) == 6
+    assert sum(ours for _, _, ours in found["always nothing"]) == 11
+    show(found)
+    (row,) = [line for line in capsys.readouterr().out.splitlines() if "always nothing" in line]
+    assert "6 (6) of 6" in row
+    assert "0 (5) of 6" in row
+    assert "+42" in row
+
+
+@pytest.mark.parametrize("said", [[], ["lag"]])
+def test_a_method_is_judged_by_its_own_names(tmp_path, said):
+    """The same case is right or wrong by what the method says, whatever ours said."""
+    case = next(one for one in scored_cases(answered_proof(tmp_path / "proof")) if one.truth)
+    ((_, right, _),) = judged([case], [{"case": case.name, "method": "m", "said": said}])["m"]
+    assert right == bool(said)
