@@ -8,7 +8,7 @@ import sys
 import time
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 from rich.console import Console
@@ -18,7 +18,9 @@ from rich.progress import Progress as ProgressBar
 from rich.table import Table
 
 from tactiledata.contract.progress import Progress, no_progress
-from tactiledata.contract.records import Finding
+
+if TYPE_CHECKING:
+    from tactiledata.contract.records import Finding
 
 JSON_OPTION = typer.Option(False, "--json", help="Print one JSON document, for machines; errors too.")
 

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
+from tactiledata.compute.threads import one_thread
 from tactiledata.errors import TactileDataError
 
 T = TypeVar("T")
@@ -79,8 +80,12 @@ def in_order(
 
 
 def attempt(function: Callable[[Any], Any], task: Any) -> Outcome[Any, Any]:
-    """Run one task in this process and return its outcome; workers execute this function."""
+    """Run one task in this process and return its outcome; workers execute this function.
+
+    Linear algebra has one thread: workers share the cores, and a result does not depend on their number.
+    """
     try:
-        return Outcome(task, function(task), None)
+        with one_thread():
+            return Outcome(task, function(task), None)
     except TactileDataError as error:
         return Outcome(task, None, error)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from threadpoolctl import threadpool_limits
+
 
 @contextmanager
 def one_thread() -> Iterator[None]:
@@ -13,7 +15,5 @@ def one_thread() -> Iterator[None]:
     Matrices of some hundred rows are multiplied in microseconds. Threads of OpenBLAS and OpenMP wait for the next
     product by spinning: with two of them a naming takes four times as much of the processors, and no less time.
     """
-    from threadpoolctl import threadpool_limits
-
     with threadpool_limits(limits=1):
         yield

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
+from tactiledata.compute.local import LocalScheduler
 from tactiledata.compute.threads import one_thread
 
 
@@ -23,3 +24,19 @@ def test_a_block_has_one_thread_and_what_follows_as_many_as_before():
         with pytest.raises(ValueError, match="planted"), one_thread():
             raise ValueError("planted")
         assert threads() == before
+
+
+def most_threads(size):
+    """The largest number of threads of linear algebra in a task, which asked for as many as there are."""
+    np.ones((size, size)) @ np.ones((size, size))
+    return max(threads())
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_task_has_one_thread(workers, monkeypatch):
+    """In this process and in workers, whatever the libraries would take; this process keeps its own number."""
+    monkeypatch.setenv("OMP_NUM_THREADS", "2")
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", "2")
+    with threadpool_limits(limits=2, user_api="blas"):
+        assert [one.result for one in LocalScheduler(workers).outcomes(most_threads, [4, 5, 6])] == [1, 1, 1]
+        assert max(threads()) == 2
