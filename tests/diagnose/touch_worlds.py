@@ -1,6 +1,6 @@
 """Touches of a rig that is none of the simulations: other contact law, other friction, finer time, other formulas."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -24,10 +24,14 @@ FRAMES = np.array([0, 0.5, 0.9, 1.4, 1.7, 2, 2.5, 3, 3.33, 3.67, 4, 4.5, 5, 5.4,
 
 @dataclass(frozen=True)
 class World:
-    """What a rig has that its simulation does not; 0 where nothing."""
+    """What a rig has that its simulation does not; 0 where nothing.
+
+    ``growth`` is by which share of itself relaxing is stronger in the last touch than in the middle of the session.
+    """
 
     compliance: float = 0.0
     relaxing: float = 0.0
+    growth: float = 0.0
     rate: float = 0.0
     turn: tuple = (0.0, 0.0, 0.0)
     matrix: np.ndarray = field(default_factory=lambda: np.zeros((3, 3)))
@@ -48,7 +52,9 @@ def world_cases(world, seed=0, trajectories=40):
     """Trajectories of a world: press, dwell, slide, turn back, leave, at other speeds, depths, places each time."""
     rng = np.random.default_rng(seed)
     law = Law(world, rng)
-    return TouchSet([_case(world, law, rng, number) for number in range(trajectories)], base)
+    late = np.linspace(-1.0, 1.0, trajectories)
+    worlds = [replace(world, relaxing=world.relaxing * (1.0 + world.growth * share)) for share in late]
+    return TouchSet([_case(one, law, rng, number) for number, one in enumerate(worlds)], base)
 
 
 class Law:

@@ -249,8 +249,8 @@ class ScoredCandidate:
         if self.trend is not None and thresholds.is_trend(self.trend.share, self.trend.standard_errors):
             first, last = 100 * (1.0 - self.trend.share), 100 * (1.0 + self.trend.share)
             reasons.append(
-                f"it behaves like {self.label}, whose strength would be constant: in the first trajectory it has"
-                f" {first:.0f} %, in the last {last:.0f} % of the fitted strength"
+                f"its strength changes during the session, from {first:.0f} % of the fitted one in the first trajectory"
+                f" to {last:.0f} % in the last: something else behaves like it"
             )
         if self.implausible and not self.is_whole_cause(thresholds):
             reasons.extend(f"{name} is not plausible" for name in self.implausible)

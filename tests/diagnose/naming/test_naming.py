@@ -74,6 +74,18 @@ def test_one_odd_touch_takes_no_name_away():
     assert any(sentence.startswith("Look at D-6: the factor on shear") for sentence in found.sentences)
 
 
+def test_a_relaxation_that_grows_during_the_session_is_only_like_one():
+    """Half as strong at first and half as strong again in the end: found as planted, said, and not named."""
+    grows = dataclasses.replace(PLANTS["relaxation"], growth=0.5)
+    found = answer(world_cases(grows, 0), ("relaxation", "lag"), pairs=False)
+    (relaxation,) = [one for one in found.naming.scored if one.names == ("relaxation",)]
+    assert relaxation.trend.share == pytest.approx(0.5, abs=3 * relaxation.trend.error)
+    assert relaxation.trend.error < 0.15
+    assert found.names == ()
+    assert found.is_missing
+    assert any("something else behaves like it" in sentence for sentence in found.sentences)
+
+
 def test_a_preview_is_taken_to_err_more():
     """Errors of finite strain are those that claims were set with; linear gels differ more from shape to shape."""
     fine, preview = NumericalErrors.of("finite-strain"), NumericalErrors.of("linear")
