@@ -163,10 +163,9 @@ def told(folder: Path, owners: Path | None, with_cluster: bool) -> None:
                 rows.append((f"{name}, on a cluster", "", f"{wall:.1f}", f"{memory / 1e6:.0f}"))
     table(("step", "processor, s", "clock, s", "most memory, MB"), rows)
     cores = len(psutil.Process().cpu_affinity() or []) or os.cpu_count()
-    print(
-        f"{cores} cores. Processes that ran or waited for a core, mean of 15 minutes: {before:.1f} before the first step, "
-        f"{psutil.getloadavg()[2]:.1f} at the end, these steps included; {(time.perf_counter() - began) / 60:.0f} minutes"
-    )
+    print(f"{cores} cores, {(time.perf_counter() - began) / 60:.0f} minutes in all")
+    print("processes that ran or waited for a core, mean of the 15 minutes before:")
+    print(f"{before:.1f} at the first step, {psutil.getloadavg()[2]:.1f} at the end, these steps included")
 
 
 def main() -> None:
