@@ -40,7 +40,7 @@ def a_scheduler_that_is_not_there(bench):
     return [*bench.ingest(), "--scheduler", "tcp://127.0.0.1:9"]
 
 
-@case(1, "holds")
+@case(2, "holds")
 def store_path_that_is_another_folder(bench):
     return ["ingest", bench.log, "--store", bench.log]
 
@@ -203,6 +203,12 @@ def an_option_that_is_not_there(bench):
 @case(2, "has no manifest.json", "makes a store of recordings")
 def recordings_in_place_of_a_store(bench):
     return ["split", bench.log]
+
+
+@case(1, "other files of a store", "Restore manifest.json from a copy")
+def recordings_into_a_store_that_lost_its_manifest(bench):
+    (bench.store / "manifest.json").unlink()
+    return ["ingest", bench.log, "--store", bench.store]
 
 
 @case(1, "other files of a store", "Restore manifest.json from a copy")

@@ -196,7 +196,7 @@ def not_a_store(location: str, exists: bool) -> MissingFile | StoreError:
             f"Name the folder of the store (its name usually ends in .zarr). {RECORDINGS}",
             path=location,
         )
-    if any(Path(location, table_folder(table)).is_dir() for table in TABLES):
+    if has_tables(location):
         return StoreError(
             f"{location} has no {MANIFEST}, but other files of a store",
             "a whole store",
@@ -209,6 +209,11 @@ def not_a_store(location: str, exists: bool) -> MissingFile | StoreError:
         f"Name the folder that holds {MANIFEST} (its name usually ends in .zarr). {RECORDINGS}",
         path=location,
     )
+
+
+def has_tables(location: Path | str) -> bool:
+    """Whether tables of a store lie in a local folder: without a manifest it is one that lost it."""
+    return any(Path(location, table_folder(table)).is_dir() for table in TABLES)
 
 
 def write_manifest(store_path: Path, manifest: Manifest) -> None:
