@@ -7,11 +7,18 @@ from tactiledata.store.write.commit import create
 from tactiledata.store.write.intake import intake
 
 
-def failing(store):
-    """Take recordings in, and be stopped before there are any."""
-    with pytest.raises(KeyError), intake(store):
+def stopped(store, beside=None):
+    """Take recordings in, and stop before there are any, once somebody else put a file beside the store."""
+    with intake(store):
         assert (store / "manifest.json").exists()
+        if beside is not None:
+            beside.touch()
         raise KeyError
+
+
+def failing(store):
+    with pytest.raises(KeyError):
+        stopped(store)
 
 
 def test_a_store_that_got_nothing_is_taken_away_again(tmp_path):
@@ -33,9 +40,8 @@ def test_a_store_that_got_nothing_is_taken_away_again(tmp_path):
 
 def test_a_folder_in_which_others_put_something_stays(tmp_path):
     """What somebody else put meanwhile beside the store keeps the folder above it."""
-    with pytest.raises(KeyError), intake(tmp_path / "made" / "new.zarr"):
-        (tmp_path / "made" / "notes.txt").touch()
-        raise KeyError
+    with pytest.raises(KeyError):
+        stopped(tmp_path / "made" / "new.zarr", tmp_path / "made" / "notes.txt")
     assert [place.name for place in (tmp_path / "made").iterdir()] == ["notes.txt"]
 
 
