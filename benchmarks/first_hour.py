@@ -6,8 +6,9 @@ Each step is a process of its own in an empty folder, as docs/first-hour.md tell
 of recordings of a laboratory stand ten touches of the bundled world `concealed`, on a grid twice as coarse. Simulations
 are previews (linear). Seconds of a processor hardly feel other work on the machine; seconds on the clock do, so the
 load is printed, too. With ``--cluster`` the steps that take ``--scheduler`` are done again by two workers of a Dask
-cluster, which share that machine; their processor seconds are not those of the command and are not printed. LeRobot's
-loader is looked for in ``--owners``, where `make owners` installs it.
+cluster, which share that machine; their processor seconds are not those of the command and are not printed. The
+workers' start is not in these times. LeRobot's loader is looked for in ``--owners``, where `make owners` installs it;
+no other step sees that folder. How far it is, is said on standard error.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from pathlib import Path
 
 import psutil
 import yaml
+from distributed import Client
 from timing import table
 
 from tactiledata.contract.atomic import write_atomic
@@ -45,6 +47,9 @@ for batch in torch.utils.data.DataLoader(rows, batch_size=16, shuffle=True):
 """
 LEROBOT = """
 import torch
+library = torch.library.Library("torchvision", "DEF")
+for operator in ("nms", "qnms"):  # of a torchvision compiled for another torch; nobody calls them
+    library.define(operator + "(Tensor dets, Tensor scores, float iou_threshold) -> Tensor")
 from lerobot.datasets.lerobot_dataset import LeRobotDataset
 train = LeRobotDataset("tactile", root="for-lerobot")
 network = torch.nn.Sequential(torch.nn.AvgPool2d(16), torch.nn.Flatten(), torch.nn.Linear(900, 1))
@@ -93,6 +98,7 @@ def timed(words: str, folder: Path, environment: dict[str, str]) -> tuple[float,
         The step failed; its last lines are printed.
     """
     program = ["-c", words] if "\n" in words else ["-m", "tactiledata", *words.split()]
+    print("…", words.strip().splitlines()[0] if "\n" in words else words, file=sys.stderr, flush=True)
     began = time.perf_counter()
     with (folder / "said.txt").open("wb") as said:
         process = subprocess.Popen(
@@ -107,13 +113,15 @@ def timed(words: str, folder: Path, environment: dict[str, str]) -> tuple[float,
 
 
 @contextmanager
-def cluster(environment: dict[str, str]) -> Iterator[str]:
-    """A Dask scheduler and two workers of one thread, all processes of this machine; their address."""
+def cluster(folder: Path, environment: dict[str, str]) -> Iterator[str]:
+    """A Dask scheduler and two workers of one thread, all processes of this machine, ready for work; their address."""
     command = [sys.executable, "-m", "dask", "scheduler", "--port", ADDRESS.rpartition(":")[2]]
     workers = [sys.executable, "-m", "dask", "worker", ADDRESS, "--nworkers", "2", "--nthreads", "1"]
-    quiet = {"env": environment, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    quiet = {"cwd": folder, "env": environment, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     running = [subprocess.Popen([*words, "--no-dashboard"], **quiet) for words in (command, workers)]
     try:
+        with Client(ADDRESS, timeout=120) as client:
+            client.wait_for_workers(2, timeout=120)
         yield ADDRESS
     finally:
         for process in reversed(running):
@@ -130,31 +138,34 @@ def world() -> dict:
 
 def told(folder: Path, owners: Path | None, with_cluster: bool) -> None:
     """Do all steps in the folder, and print what each took."""
-    path = [word for word in (os.environ.get("PYTHONPATH"), str(owners) if owners else "") if word]
     environment = {
         **os.environ,
         "OMP_NUM_THREADS": "1",
         "HF_HOME": str(folder / "hf"),
         "HF_HUB_OFFLINE": "1",
         "TACTILEDATA_CACHE": str(folder / "cache"),
-        "PYTHONPATH": os.pathsep.join(path),
     }
+    path = [str(owners or ""), environment.get("PYTHONPATH", "")]
+    of_owners = {**environment, "PYTHONPATH": os.pathsep.join(word for word in path if word)}
+    before, began = psutil.getloadavg()[2], time.perf_counter()
     (folder / "world.yaml").write_text(yaml.safe_dump(world()), encoding="utf-8")
     rows = []
     for name, words in steps(None):
         if words == LEROBOT and owners is None:
             continue
-        wall, cpu, memory = timed(words, folder, environment)
+        wall, cpu, memory = timed(words, folder, of_owners if words == LEROBOT else environment)
         rows.append((name, f"{cpu:.1f}", f"{wall:.1f}", f"{memory / 1e6:.0f}"))
     if with_cluster:
         environment["TACTILEDATA_CACHE"] = str(folder / "cache-cluster")
-        with cluster(environment) as address:
+        with cluster(folder, environment) as address:
             for name, words in steps(address):
                 wall, _, memory = timed(words, folder, environment)
                 rows.append((f"{name}, on a cluster", "", f"{wall:.1f}", f"{memory / 1e6:.0f}"))
     table(("step", "processor, s", "clock, s", "most memory, MB"), rows)
-    busy, cores = psutil.getloadavg()[2], len(psutil.Process().cpu_affinity() or []) or os.cpu_count()
-    print(f"{cores} cores, on which {busy:.1f} processes ran in the last 15 minutes, these steps included")
+    cores = len(psutil.Process().cpu_affinity() or []) or os.cpu_count()
+    print(f"{cores} cores, {(time.perf_counter() - began) / 60:.0f} minutes in all")
+    print("processes that ran or waited for a core, mean of the 15 minutes before:")
+    print(f"{before:.1f} at the first step, {psutil.getloadavg()[2]:.1f} at the end, these steps included")
 
 
 def main() -> None:
@@ -167,12 +178,15 @@ def main() -> None:
     owners = given.owners.resolve() if given.owners else None
     if given.write:
         words = [*(["--cluster"] if given.cluster else []), *(["--owners", str(owners)] if owners else [])]
-        done = subprocess.run([sys.executable, __file__, *words], check=True, capture_output=True, text=True).stdout
+        words += ["--folder", str(given.folder)] if given.folder else []
+        told_by = subprocess.run([sys.executable, __file__, *words], check=False, stdout=subprocess.PIPE, text=True)
+        if told_by.returncode:
+            raise SystemExit(told_by.returncode)
         commit = subprocess.run(["git", "rev-parse", "--short=8", "HEAD"], check=True, capture_output=True, text=True)
         shown = " ".join(word for word in ("--cluster", "--owners .venv/owners") if word.split()[0] in words)
         said = (
             f"`python benchmarks/first_hour.py {shown}` at {commit.stdout.strip()}, "
-            f"{datetime.date.today():%d %B %Y}, simulated recordings:\n\n```text\n{done}```\n"
+            f"{datetime.date.today():%d %B %Y}, simulated recordings:\n\n```text\n{told_by.stdout}```\n"
         )
         head, _, rest = given.write.read_text(encoding="utf-8").partition(START)
         write_atomic(given.write, f"{head}{START}{said}{STOP}{rest.partition(STOP)[2]}".encode())

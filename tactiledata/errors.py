@@ -13,7 +13,7 @@
     ├── MissingFile (FileNotFoundError)    a file that was named and is not there          exit code 2
     │   └── LostFile                       a file that other files name and that is gone   exit code 1
     ├── StoreError (ValueError)            a store that is damaged, foreign or of another version
-    │   ├── NotAStore                      a file was named where a store belongs              exit code 2
+    │   ├── NotAStore                      something else was named where a store belongs     exit code 2
     │   └── StoreBusy (BlockingIOError)    another process writes to the store
     ├── LeakError (ValueError)             data that would be on both sides of a split
     ├── CheckpointError (ValueError)       weights that are damaged, foreign, or of other data than these
@@ -149,7 +149,7 @@ class StoreError(TactileDataError, ValueError):
 
 
 class NotAStore(StoreError):
-    """Raised for a file that the caller names in the place of a store, which is a folder: a wrong call, not damage."""
+    """Raised for a file or folder that the caller names in the place of a store: a wrong call, not damage."""
 
     exit_code = 2
 

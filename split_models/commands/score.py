@@ -145,7 +145,9 @@ def documents(scores: Sequence[PairScore]) -> list[dict[str, Any]]:
 
 
 def _print_scores(scores: Sequence[PairScore], heading: str) -> None:
-    """Print a table under a heading, then the direction of each score; nothing where there are no scores."""
+    """Print a table under a heading, then directions and missing intervals; nothing where there are no scores."""
+    from tactiledata.metrics.bootstrap import LEAST_GROUPS
+
     if not scores:
         return
     columns = ("score", "of", "which is", "against", "which is", "looked at", "mean and 95 % interval")
@@ -155,6 +157,9 @@ def _print_scores(scores: Sequence[PairScore], heading: str) -> None:
     ]
     table(heading, columns, rows)
     say("; ".join(dict.fromkeys(f"{pair.score.title}: {_direction(pair.score)} is closer" for pair in scores)))
+    few = dict.fromkeys(pair.first for pair in scores if pair.interval.trajectories < LEAST_GROUPS)
+    if few:
+        say(f"no interval for {', '.join(few)}: it takes {LEAST_GROUPS} trajectories")
 
 
 def _direction(score: Score) -> str:

@@ -123,7 +123,7 @@ def _print_report(report: TransferReport, to: str, way: TransferMethod, location
     was = "" if report.added == report.recordings else f"; {counted(report.added, 'recording')} of them added now"
     say(
         f"{counted(report.frames, 'frame')} of {', '.join(report.sensors)} in {counted(report.recordings, 'recording')}"
-        f" by {report.method}{was}"
+        f" by {report.method.replace('_', '-')}{was}"
     )
     if report.left_out:
         say(

@@ -176,6 +176,9 @@ def _print_models(trained: dict[str, str], as_json: bool) -> None:
         return
     for name, folder in trained.items():
         say(f"{name}: {folder}")
+    if "image_vae" in trained:
+        model = Path(trained["image_vae"]) / "best.pt"
+        say(f"a transfer with this image VAE: tactiledata transfer STORE --to SENSOR --method latent --model {model}")
 
 
 def _table(recipe_run: Any, as_json: bool) -> None:

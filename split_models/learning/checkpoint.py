@@ -176,12 +176,18 @@ def load_checkpoint(path: Path) -> Checkpoint:
     Raises
     ------
     MissingFile
-        The file does not exist.
+        The file does not exist, or is a folder.
     NotFetched
         The file is a Git LFS pointer.
     CheckpointError
         The file is no checkpoint of this format.
     """
+    if path.is_dir():
+        inside = sorted(str(file) for file in path.glob("*.pt"))
+        remedy = (
+            f"Name {' or '.join(inside)}." if inside else "Name the checkpoint, such as `best.pt` of a trained model."
+        )
+        raise MissingFile(f"{path} is a folder", "the file of a checkpoint", remedy)
     if not path.is_file():
         raise MissingFile(f"{path} does not exist", "a checkpoint", "Train first: `tactiledata train RECIPE`.")
     refuse_lfs_pointer(path)

@@ -12,7 +12,7 @@ from tactiledata.contract.atomic import write_json_atomic
 from tactiledata.contract.progress import Progress
 from tactiledata.contract.provenance import digest_of
 from tactiledata.contract.schema import read_document
-from tactiledata.errors import TactileDataError
+from tactiledata.errors import MissingFile, TactileDataError
 from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.replay.attach import replay
@@ -32,9 +32,21 @@ RECORDED = "recorded.json"
 
 
 def store_place(recipe: Recipe, out: Path) -> Path:
-    """Path of a recipe's store, existing or not; each simulated world has a folder in ``out/data``."""
+    """Path of a recipe's store; each simulated world has a folder in ``out/data``, which need not exist yet.
+
+    Raises
+    ------
+    MissingFile
+        The recipe names a store that does not exist.
+    """
     data = recipe.data
     if data["store"]:
+        if not Path(data["store"]).exists():
+            raise MissingFile(
+                f"the recipe {recipe.name} names the store {data['store']}, which does not exist",
+                "a store that `tactiledata ingest` wrote, its path seen from the working folder",
+                "Run the command in the folder from which that path leads to the store, or mend it in the recipe.",
+            )
         return Path(data["store"])
     key = digest_of(_scenario_document(data["world"]))
     return out / "data" / f"{Path(data['world']).stem}-{key[:12]}" / STORE

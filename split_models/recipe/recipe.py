@@ -32,12 +32,15 @@ class Recipe:
         Title of its page, for people.
     document : dict
         As in ``schemas/recipe.json``, all sections complete.
+    asked : str
+        The file or the bundled name by which the recipe was asked for.
     """
 
     name: str
     scale: str
     title: str
     document: Mapping[str, Any]
+    asked: str
 
     @property
     def seed(self) -> int:
@@ -130,7 +133,7 @@ def load_recipe(name: str | Path, scale: str = "small") -> Recipe:
             "one of them under `data`",
             "`store: ds.zarr` for your own recordings, `world: NAME` for a simulated world that is recorded first.",
         )
-    return Recipe(stem, scale, title, complete)
+    return Recipe(stem, scale, title, complete, str(name))
 
 
 def bundled_recipes() -> list[str]:
@@ -161,7 +164,10 @@ def _read(name: str | Path) -> tuple[str, dict[str, Any], Path | None]:
         return path.stem, read_document(path, "recipe"), path.parent
     known = bundled_recipes()
     if str(name) not in known:
-        raise UnknownName("recipe", str(name), known, "Or name a recipe's file.")
+        beside = [str(path.with_name(path.name + ending)) for ending in (".yaml", ".yml", ".json")]
+        there = [file for file in beside if Path(file).is_file()]
+        remedy = f"A file {there[0]} is there: name it with its ending." if there else "Or name a recipe's file."
+        raise UnknownName("recipe", str(name), known, remedy)
     file = shipped_folder("recipes") / f"{name}.yaml"
     where = f"recipes/{name}.yaml"
     document = parse_document(file.read_text(encoding="utf-8"), where)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -40,6 +41,7 @@ def result_document(
     return {
         "format": "tactiledata-table/1",
         "recipe": recipe.name,
+        "command": f"tactiledata run {shlex.quote(recipe.asked)} --scale {recipe.scale}",
         "title": recipe.title,
         "scale": recipe.scale,
         "seed": recipe.seed,
@@ -82,7 +84,7 @@ def markdown(document: Mapping[str, Any]) -> str:
     lines = [
         f"# {document['title']}",
         "",
-        f"`tactiledata run {document['recipe']} --scale {document['scale']}`, seed {document['seed']}.",
+        f"`{document['command']}`, seed {document['seed']}.",
     ]
     if sentence := SimulatedCount(**document["simulated_recordings"]).sentence:
         lines += ["", sentence]

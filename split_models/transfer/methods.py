@@ -73,7 +73,12 @@ def transfer_method(name: str, model: Path | None = None, device: str = "cpu") -
         if key not in PIXEL_TRANSFERS:
             raise UnknownName("transfer method", name, [*LATENT, *PIXEL_TRANSFERS])
         if model is not None:
-            raise UsageError(f"--model {model} with --method {name}", "a method that uses a model: latent", "")
+            latent = ", ".join(method.replace("_", "-") for method in LATENT)
+            raise UsageError(
+                f"--model {model} with --method {name}",
+                f"a method that uses a model: {latent}",
+                "Leave out --model, or take one of these methods.",
+            )
         return PIXEL_TRANSFERS[key]
     from split_models.transfer.latent_transfer import load_image_vae
 

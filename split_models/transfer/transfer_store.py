@@ -25,13 +25,13 @@ from tactiledata.errors import StoreError, UnknownName, UsageError
 from tactiledata.sensors.average_background import refuse_swapped_channels
 from tactiledata.store.change.flag import carry_flags
 from tactiledata.store.change.pieces import Origin, Piece, pieces_of
-from tactiledata.store.layout.lock import writing_lock
 from tactiledata.store.layout.manifest import settings_of
-from tactiledata.store.layout.places import INTAKE_LOCK, MANIFEST
+from tactiledata.store.layout.places import MANIFEST
 from tactiledata.store.read.reader import Store
 from tactiledata.store.read.seen_target import target_findings
 from tactiledata.store.read.targets import Target
-from tactiledata.store.write.commit import commit_groups, create, recover
+from tactiledata.store.write.commit import commit_groups, recover
+from tactiledata.store.write.intake import intake
 from tactiledata.store.write.writer import StagedTake, find_staged
 
 
@@ -140,12 +140,10 @@ def transfer_store(
             f"whole images of {', '.join(sorted(backgrounds))} in trajectories",
             "`tactiledata info` shows what the store holds.",
         )
-    # resume an earlier call's store, or make a new one
+    # resume an earlier call's store, or make a new one, which is gone again where nothing could be transferred
     if (out / MANIFEST).exists():
         _refuse_other_transfer(out, transfer, chosen)
-    else:
-        create(out, settings_of(store.manifest))
-    with writing_lock(out, INTAKE_LOCK):
+    with intake(out, None if (out / MANIFEST).exists() else settings_of(store.manifest)):
         recover(out)
         # before the recordings: what is made of a flagged trajectory is never there without the flag of its parent
         carried = carry_flags([store], out, derived=True)

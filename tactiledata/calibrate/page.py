@@ -62,7 +62,7 @@ def _in_short(calibration: Calibration) -> list[tuple[str, str]]:
     which, start, end = "fitted", norms.start, norms.fitted
     if np.isfinite(norms.held_out):
         which, start, end = "held-out", norms.held_out_start, norms.held_out
-    preview = " It is a preview: its forces are 10 to 20 % low at 1 mm." if options.fidelity == "linear" else ""
+    preview = " It is a preview: at 1 mm depth its forces are 5 to 20 % low." if options.fidelity == "linear" else ""
     high = " It serves for comparison: its forces are too high." if options.engine == "mujoco-flex" else ""
     return [
         ("", f"{', '.join(values[:2])} and {values[2]}. In brackets are 95 % intervals."),

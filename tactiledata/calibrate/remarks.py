@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from tactiledata.calibrate.bounds import SYMBOLS, Bounds
+from tactiledata.calibrate.bounds import BOUNDS, SYMBOLS, Bounds
 from tactiledata.calibrate.fit import Fit
 from tactiledata.calibrate.knowledge import Knowledge, known_parameters
 from tactiledata.contract.records import Finding
@@ -58,17 +58,19 @@ def remarks(
 
 def _bound_hits(fit: Fit, bounds: Bounds) -> Iterator[Finding]:
     """Yield a warning for each parameter at a bound of the box."""
-    shares = bounds.shares(fit.parameters)
+    shares, wide = bounds.shares(fit.parameters), BOUNDS["wide"]
     for k, (name, low, high) in enumerate(bounds):
-        for side, value, is_there in (
-            ("lower", low, shares[k] < AT_BOUND),
-            ("upper", high, shares[k] > 1 - AT_BOUND),
+        for side, value, is_there, is_farthest in (
+            ("lower", low, shares[k] < AT_BOUND, low <= wide.low[k]),
+            ("upper", high, shares[k] > 1 - AT_BOUND, high >= wide.high[k]),
         ):
             if is_there:
+                farther = "No bounds go farther: `tactiledata diagnose` looks for what is missing"
+                advice = farther if is_farthest else "Compare --bounds wide"
                 text = (
                     f"{SYMBOLS[name]} stands at its {side} bound, {in_words(name, value)}: the data favour a value "
                     "beyond it. A bound that is hit is a symptom, not a result: the parameter may have absorbed "
-                    "something that is not modelled, or the bounds are wrong for this gel. Compare --bounds wide"
+                    f"something that is not modelled, or the bounds are wrong for this gel. {advice}"
                 )
                 yield Finding("calibration-bound", "warning", text)
 

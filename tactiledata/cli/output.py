@@ -93,8 +93,9 @@ def findings(found: Iterable[tuple[str, Finding]], most: int = 40) -> None:
     console = out()
     for where, finding in listed[:most]:
         colour = COLOURS[finding.severity]
-        # some messages begin with the name of the recording
-        place = f"{where}: " if where and not finding.message.startswith(f"{where}: ") else ""
+        # some messages begin with the name of the recording; others begin with a stream that may have the same name
+        is_named = finding.message.startswith(f"{where}: ") and finding.stream != where
+        place = f"{where}: " if where and not is_named else ""
         text = f"{plain(place)}{plain(finding.message)} \\[{finding.code}]"
         console.print(f"  [{colour}]{finding.severity:<7}[/{colour}] {text}")
     if len(listed) > most:

@@ -48,7 +48,7 @@ def replay(
     keep: str = typer.Option("all", "--keep", help="Nodes whose displacements are stored: all or surface."),
     name: str = typer.Option(None, "--name", help="Name in the store [default: low, low-linear, high, high-linear]."),
     replace: bool = typer.Option(
-        False, "--replace", help="Replace a mesh of this name that was made with other options."
+        False, "--replace", help="Replace a mesh of this name that was made with other options, or is damaged."
     ),
     indenters: Path = typer.Option(None, "--indenters", help="Folder of the mesh files that recordings name."),
     pad: Path = typer.Option(None, "--pad", help="Pad mesh of your own (.mesh, .msh, .vtk), for all sensors."),

@@ -79,12 +79,17 @@ def view(
 def _serve(path: Path, port: int) -> None:
     """Serve the viewer until Ctrl-C; open the browser where there is one."""
     from threading import Event
+    from urllib.parse import urlsplit
 
     from tactiledata.view.serve import has_display, served
 
     with served(path, port) as address:
         say(f"look: {address}")
-        say("Only this machine can open it. From another one: ssh -L PORT:127.0.0.1:PORT. Ctrl-C ends it.")
+        used = urlsplit(address).port
+        say(
+            f"Only this machine can open it. On another one: `ssh -L {used}:127.0.0.1:{used} THIS-MACHINE`, then open "
+            "the same address there. Ctrl-C ends it."
+        )
         if has_display() and sys.stdout.isatty():
             webbrowser.open(address)
         sys.stdout.flush()

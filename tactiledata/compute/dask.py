@@ -57,6 +57,7 @@ class DaskScheduler(Scheduler):
         try:
             from dask import config
             from distributed import Client
+            from distributed.comm import get_address_host_port
         except ImportError as error:
             raise UsageError(
                 "the package 'distributed' is not installed",
@@ -64,6 +65,7 @@ class DaskScheduler(Scheduler):
                 "pip install 'tactiledata[dask]'",
             ) from error
         try:
+            get_address_host_port(self.address)  # a client of an address that is none would not end by itself
             client = Client(self.address, timeout=CONNECT_TIMEOUT, set_as_default=False)
         except (OSError, TimeoutError, ValueError) as error:
             raise UsageError(

@@ -15,6 +15,7 @@ from tactiledata.contract.description import LogDescription
 from tactiledata.contract.image_bytes import IMAGE_SUFFIXES, ImageHeader, read_header
 from tactiledata.contract.paths import path_inside
 from tactiledata.contract.records import Finding, Recording, Source, Trajectory
+from tactiledata.contract.wording import agreeing, counted
 from tactiledata.errors import BrokenLog, UsageError
 from tactiledata.formats.reading.backgrounds import load_backgrounds, noted_background, read_image_file
 from tactiledata.formats.reading.corpus import CorpusFormat, files_in, raise_empty, stream_name
@@ -162,16 +163,19 @@ def _note_folder(intake: Intake, found: _Folder) -> None:
     intake.note(
         "no-clock",
         "info",
-        f"{len(found.images)} images without times: stamps are their indices in natural order, in ns",
+        f"{counted(len(found.images), 'image')} without times: stamps are their indices in natural order, in ns",
     )
-    for code, severity, names, words in (
-        ("mask-left", "info", [path.name for path in found.masks], "are masks (8-bit grey), not tactile images; left"),
-        ("not-an-image", "info", found.others, "are neither JPEG nor PNG; left"),
-        ("link-left", "warning", found.unsafe, "are links, which are not followed; copy the images into the folder"),
-    ):
+    for code, severity, names, one, several in (
+        ("mask-left", "info", [path.name for path in found.masks], "is a mask (8-bit grey), no tactile image; left",
+         "are masks (8-bit grey), not tactile images; left"),
+        ("not-an-image", "info", found.others, "is neither JPEG nor PNG; left", "are neither JPEG nor PNG; left"),
+        ("link-left", "warning", found.unsafe, "is a link, which is not followed; copy the image into the folder",
+         "are links, which are not followed; copy the images into the folder"),
+    ):  # fmt: skip
         if names:
             more = f" and {len(names) - 5} more" if len(names) > 5 else ""
-            intake.note(code, severity, f"{listed(names[:5])}{more} {words}", count=len(names))  # type: ignore[arg-type]
+            words = f"{listed(names[:5])}{more} {agreeing(len(names), one, several)}"
+            intake.note(code, severity, words, count=len(names))  # type: ignore[arg-type]
 
 
 def _camera(root: Path, mapping: Mapping[str, Any]) -> tuple[str, str]:

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import shutil
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -34,11 +32,12 @@ from tactiledata.ingest.sources.discover import find_sources, undescribed_logs
 from tactiledata.ingest.sources.replacing import replace_recordings
 from tactiledata.ingest.sources.reports import IngestReport, SourceReport, report_of
 from tactiledata.ingest.trajectories.assemble import IngestOptions, assemble
-from tactiledata.store.layout.lock import reading_lock, writing_lock
+from tactiledata.store.layout.lock import reading_lock
 from tactiledata.store.layout.manifest import read_manifest
-from tactiledata.store.layout.places import INTAKE_LOCK, MANIFEST, staging_folder
+from tactiledata.store.layout.places import staging_folder
 from tactiledata.store.read.reader import Store
-from tactiledata.store.write.commit import commit_groups, create, recover
+from tactiledata.store.write.commit import commit_groups, recover
+from tactiledata.store.write.intake import intake
 from tactiledata.store.write.spool import Spool
 from tactiledata.store.write.writer import StagedTake, find_staged, stage
 
@@ -108,7 +107,7 @@ def ingest(
         sources = [source.absolute() for source in sources]  # workers of a cluster were started in other folders
     folder = Path(store)
     runner = make_scheduler(workers, scheduler)
-    with _intake(folder):
+    with intake(folder):
         present = frozenset(recover(folder)["sources"])
         tasks = [_Task(source, str(folder.resolve()), chosen, present, replace) for source in sources]
         outcomes = _told(runner.outcomes(_read_source, tasks), len(tasks), progress)
@@ -130,23 +129,6 @@ def ingest(
     left = tuple(str(path) for path in unclaimed if path not in pointers)
     report = IngestReport(str(store), tuple(reports), left, tuple(findings))
     return dataclasses.replace(report, stale_splits=tuple(splits)) if report.changed else report
-
-
-@contextmanager
-def _intake(folder: Path) -> Iterator[None]:
-    """The store, made where there is none, and its lock; one that was made here and got nothing is taken away again."""
-    is_new, had_folder = not (folder / MANIFEST).exists(), folder.exists()
-    create(folder)
-    with writing_lock(folder, INTAKE_LOCK):
-        try:
-            yield
-        finally:
-            # under the lock: whoever waits for this store finds it whole, or makes it
-            if is_new and not read_manifest(folder)["sources"] and not find_staged(folder):
-                for place in folder.iterdir():
-                    shutil.rmtree(place) if place.is_dir() else place.unlink()
-                if not had_folder:
-                    folder.rmdir()
 
 
 def _compared(reports: list[SourceReport], folder: Path) -> list[SourceReport]:

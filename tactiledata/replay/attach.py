@@ -20,6 +20,7 @@ from tactiledata.replay.plan import PlannedTouch, ReplayPlan, plan_replay
 from tactiledata.replay.report import ReplayReport
 from tactiledata.replay.solve import Run, solve_run
 from tactiledata.replay.status import STATUSES
+from tactiledata.store.check.meshes import mesh_fault
 from tactiledata.store.check.values import need_sound_values
 from tactiledata.store.layout.lock import writing_lock
 from tactiledata.store.layout.manifest import read_manifest
@@ -64,7 +65,7 @@ def replay(
     progress : callable, optional
         Called with the number of finished trajectories, their total and a label.
     replace : bool
-        Delete a mesh of this name that was made with other options, and make it again.
+        Delete a mesh of this name that was made with other options or is damaged, and make it again.
 
     Raises
     ------
@@ -90,13 +91,15 @@ def replay(
         plan = plan_replay(store, options.pads, options.indenter_folder)
         effects = _effects(store, plan, options)
         plan = plan if effects is None else effects.plan
-        # a mesh of the same options is continued, one of other options is refused or deleted
+        # a mesh of the same options is continued; one of other options, or a damaged one, is refused or deleted
         name = options.mesh_name
-        if name in store.mesh_names and _differs(store, plan, options):
-            if not replace:
-                raise _made_otherwise(store, name)
-            drop_mesh(folder, name)
-            store = Store.open(folder)
+        if name in store.mesh_names:
+            differences = _differences(store, plan, options)
+            if differences and not replace:
+                raise _made_otherwise(store, name, differences)
+            if replace and (differences or mesh_fault(store, name)):
+                drop_mesh(folder, name)
+                store = Store.open(folder)
         rows_before = store.manifest.get("meshes", {}).get(name, {"rows": 0})["rows"]
         if plan.pads:
             _attach(folder, store, plan, effects, options, rows_before, runner, progress)
@@ -129,21 +132,36 @@ def _effects(store: Store, plan: ReplayPlan, options: ReplayOptions) -> ReplayEf
     return effects
 
 
-def _differs(store: Store, plan: ReplayPlan, options: ReplayOptions) -> bool:
-    """Whether the stored mesh was made with other options, or with pads that the plan does not begin with."""
+def _differences(store: Store, plan: ReplayPlan, options: ReplayOptions) -> list[str]:
+    """Return in words what differs between the stored mesh and one of these options, with the pads of the plan."""
     facts = store.mesh(options.mesh_name).facts
+    there, here = _in_words(facts["settings"]), _in_words(options.document())
+    found = [
+        f"{name} {there.get(name, 'unknown')} there, {here.get(name, 'unknown')} here"
+        for name in dict.fromkeys([*there, *here])
+        if there.get(name) != here.get(name)
+    ]
+    if not found and facts["settings"] != options.document():
+        found = ["other values"]
     stored_pads, planned_pads = ([pad["sha256"] for pad in pads] for pads in (facts["pads"], _described(plan)))
-    return facts["settings"] != options.document() or stored_pads != planned_pads[: len(stored_pads)]
+    return found if stored_pads == planned_pads[: len(stored_pads)] else [*found, "another pad"]
 
 
-def _made_otherwise(store: Store, name: str) -> UsageError:
+def _in_words(settings: Mapping[str, Any]) -> dict[str, str]:
+    """Return a mesh's settings as words by their names; contact offsets by number and the start of their digest."""
+    shown = {"material", "effects", "offsets", "offsets_sha256"}
+    return {
+        **{name.replace("_", " "): f"{value:.6g}" for name, value in settings["material"].items()},
+        **{name.replace("_", " "): str(value) for name, value in settings.items() if name not in shown},
+        "offsets": f"{settings['offsets']} ({settings['offsets_sha256'][:8]})",
+        "effects": effects_in_words(settings) or "none",
+    }
+
+
+def _made_otherwise(store: Store, name: str, differences: list[str]) -> UsageError:
     """Error for a stored mesh that was made with other options."""
-    settings = store.mesh(name).settings
-    material = ", ".join(f"{key} {value:.6g}" for key, value in settings["material"].items())
     return UsageError(
-        f"the mesh {name!r} of {store.location} was made with other options or another pad "
-        f"({settings['fidelity']}, {material}, {settings['offsets']} offsets, "
-        f"{effects_in_words(settings) or 'no effects'})",
+        f"the mesh {name!r} of {store.location} was made with other options ({'; '.join(differences)})",
         "the same options, to continue it",
         "Add --replace to make it again, or --name NAME to keep it and make another.",
         mesh=name,

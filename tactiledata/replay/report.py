@@ -108,7 +108,7 @@ class ReplayReport:
 
     def lines(self) -> list[str]:
         """Return the report as lines of text for a terminal."""
-        label = " (linear: a preview, forces up to 20 % low at 1 mm)" if self.fidelity == "linear" else ""
+        label = " (linear: a preview, at 1 mm depth forces are 5 to 20 % low)" if self.fidelity == "linear" else ""
         lines = [
             f"mesh {self.mesh}{label}: {counted(self.with_mesh, 'frame')} with a mesh; {self.new_frames} frames are new"
         ]

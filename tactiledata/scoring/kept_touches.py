@@ -115,8 +115,8 @@ def touch_findings(kept: Sequence[KeptTouch], method: str, target: str) -> Itera
     for facts in kept:
         if facts.frames and not facts.is_kept:
             text = (
-                f"{method} keeps {facts.least:.2f} of the touches of {facts.sensor} (the lowest of strength, "
-                f"correlation and mask overlap; {LEAST_KEPT:g} is kept). `--method relit` keeps them"
+                f"{method} does not keep the touches of {facts.sensor}: the lowest of strength, correlation and mask "
+                f"overlap is {facts.least:.2f}, and {LEAST_KEPT:g} is needed. `--method relit` keeps them"
             )
             yield Finding("touch-not-kept", "warning", text, stream=target)
 

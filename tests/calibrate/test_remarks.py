@@ -49,7 +49,18 @@ def test_a_bound_hit_is_called_a_symptom(world):
     found, _ = said(world, measured, PAPER)
     assert "E stands at its lower bound, 838.0 kPa" in found["calibration-bound"]
     assert "symptom" in found["calibration-bound"]
+    assert "Compare --bounds wide" in found["calibration-bound"]
     assert "calibration-bound" not in said(world, measured)[0]
+
+
+def test_wider_bounds_are_advised_only_where_there_are_any(world):
+    """Of a parameter at the end of the widest bounds, another way is named."""
+    shares = np.array([0.5, 0.0, 0.5])
+    _, found = said(world, world.measured())
+    at_end = by_code(remarks(replace(found, parameters=PAPER.scaled(shares)), PAPER, 4e-5, {}, True))
+    assert "nu stands at its lower bound" in at_end["calibration-bound"]
+    assert "No bounds go farther" in at_end["calibration-bound"]
+    assert "--bounds wide" not in at_end["calibration-bound"]
 
 
 def test_friction_cannot_be_known_without_slip():

@@ -40,7 +40,7 @@ def a_scheduler_that_is_not_there(bench):
     return [*bench.ingest(), "--scheduler", "tcp://127.0.0.1:9"]
 
 
-@case(1, "holds")
+@case(2, "holds")
 def store_path_that_is_another_folder(bench):
     return ["ingest", bench.log, "--store", bench.log]
 
@@ -50,7 +50,7 @@ def store_path_that_is_a_file(bench):
     return ["ingest", bench.log, "--store", bench.mcap]
 
 
-@case(1, "store")
+@case(2, "store")
 def a_folder_that_is_no_store(bench):
     return ["info", bench.log]
 
@@ -200,9 +200,21 @@ def an_option_that_is_not_there(bench):
     return ["info", "--no-such-option"]
 
 
-@case(1, "has no manifest.json", "makes a store of recordings")
+@case(2, "has no manifest.json", "makes a store of recordings")
 def recordings_in_place_of_a_store(bench):
     return ["split", bench.log]
+
+
+@case(1, "other files of a store", "Restore manifest.json from a copy")
+def recordings_into_a_store_that_lost_its_manifest(bench):
+    (bench.store / "manifest.json").unlink()
+    return ["ingest", bench.log, "--store", bench.store]
+
+
+@case(1, "other files of a store", "Restore manifest.json from a copy")
+def a_store_that_lost_its_manifest(bench):
+    (bench.store / "manifest.json").unlink()
+    return ["split", bench.store]
 
 
 @case(2, "0.9 Pa", "0.9 MPa is 0.9e6")

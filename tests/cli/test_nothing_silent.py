@@ -11,6 +11,8 @@ from command import run_command
 from generators.folder_log import write
 
 import tactiledata
+from tactiledata.cli.output import findings
+from tactiledata.contract.records import Finding
 from tactiledata.loaders.torch import TactileDataset
 
 SIZE = (320, 240)
@@ -143,3 +145,19 @@ def test_the_tiny_world_has_another_picture_than_a_transfers_target(tiny_folders
             count += 1
             assert np.abs(own - target).mean() > 3
     assert count == 2
+
+
+def test_a_finding_names_its_recording_once(capsys):
+    """A message that begins with the recording is not named twice; one of a stream of the same name keeps both."""
+    findings(
+        [
+            ("wrench", Finding("gap", "info", "wrench: one gap", "wrench")),
+            ("run.csv", Finding("clock", "info", "run.csv: another clock")),
+            ("run.csv", Finding("late", "info", "wrench: late", "wrench")),
+        ]
+    )
+    assert [line.split(None, 1)[1] for line in capsys.readouterr().out.splitlines()] == [
+        "run.csv: another clock [clock]",
+        "wrench: wrench: one gap [gap]",
+        "run.csv: wrench: late [late]",
+    ]

@@ -85,6 +85,16 @@ def test_absent_dask_scheduler_is_a_usage_error(monkeypatch):
         list(SCHEDULERS["dask"]("tcp://127.0.0.1:9").outcomes(halve, range(2)))
 
 
+@pytest.mark.parametrize("address", ["nonsense", "tcp://127.0.0.1", "http://127.0.0.1:8786"])
+def test_what_is_no_address_is_refused_at_once(address):
+    """No client is made for it, which would wait to be closed and end in a traceback."""
+    pytest.importorskip("distributed")
+    began = time.monotonic()
+    with pytest.raises(UsageError, match=r"no Dask scheduler answers .*tcp://host:8786"):
+        list(SCHEDULERS["dask"](address).outcomes(halve, range(2)))
+    assert time.monotonic() - began < 10.0
+
+
 @pytest.mark.slow
 def test_a_task_that_kills_every_worker_is_named():
     """A task at which workers die again and again ends the run with advice that names it."""

@@ -223,40 +223,6 @@ def test_splits_of_before_are_named_where_the_store_changed(tmp_path, monkeypatc
     assert ingest([picture_folder(tmp_path / "more", 4)], store).stale_splits == ("default",)
 
 
-def test_a_store_that_got_nothing_is_taken_away_again(tmp_path):
-    """A store that got nothing is removed, with a folder made for it; a user's empty folder and an older store stay."""
-
-    def stopped(store):
-        with pipeline._intake(store):
-            assert (store / "manifest.json").exists()
-            raise KeyError
-
-    def failing(store):
-        with pytest.raises(KeyError):
-            stopped(store)
-
-    failing(tmp_path / "new.zarr")
-    assert not (tmp_path / "new.zarr").exists()
-    (tmp_path / "mine").mkdir()
-    failing(tmp_path / "mine")
-    assert list((tmp_path / "mine").iterdir()) == []
-    with pipeline._intake(tmp_path / "kept.zarr"):
-        ...
-    assert not (tmp_path / "kept.zarr").exists()
-    store = tmp_path / "ds.zarr"
-    pipeline.create(store)
-    failing(store)
-    assert (store / "manifest.json").exists()
-
-
-def test_a_store_with_a_waiting_take_stays(tmp_path, monkeypatch):
-    """A store with a waiting take stays, so that the next call goes on with it."""
-    monkeypatch.setattr(pipeline, "find_staged", lambda folder: {"a": 1})
-    with pipeline._intake(tmp_path / "ds.zarr"):
-        ...
-    assert (tmp_path / "ds.zarr" / "manifest.json").exists()
-
-
 def test_images_that_end_too_early_are_flagged_and_make_damage(tmp_path):
     """Said once, in the row of the store; the others are whole, and strict refuses the recording."""
     log = picture_folder(tmp_path / "run", 4)

@@ -175,7 +175,7 @@ def test_whoever_is_turned_away_leaves_the_store_alone(tiny_mcaps, tmp_path, mon
         yield
 
     with monkeypatch.context() as patch:
-        patch.setattr("tactiledata.ingest.pipeline.writing_lock", busy)
+        patch.setattr("tactiledata.store.write.intake.writing_lock", busy)
         with pytest.raises(StoreBusy):
             ingest(tiny_mcaps, store)
     assert (store / "manifest.json").exists()

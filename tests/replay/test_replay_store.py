@@ -73,6 +73,20 @@ def test_a_whole_store_checks_and_damage_shows(replayed, tmp_path):
         assert [(one.code, one.severity) for one in check(place, images=False)] == [("store-mesh", "damage")]
 
 
+@pytest.mark.slow
+def test_a_damaged_mesh_is_made_anew(replayed, tmp_path):
+    """What `check` says of a damaged mesh helps: with --replace the same options give the bytes of before."""
+    place = tmp_path / "ds.zarr"
+    copy_tree(replayed, place)
+    before = files(place)
+    _flip(next((place / "meshes/coarse/displacement").glob("c.0*")))
+    (found,) = check(place, images=False)
+    assert found.message.endswith("; `tactiledata replay --replace` makes it anew")
+    assert replay(place, options(), replace=True).new_frames == Store.open(place).n_frames
+    assert files(place) == before
+    assert replay(place, options(), replace=True).new_frames == 0
+
+
 def _flip(place):
     content = bytearray(place.read_bytes())
     content[len(content) // 2] ^= 0xFF
@@ -94,9 +108,11 @@ def test_others_stand_beside_it_or_are_refused(copied):
     replay(copied, options())
     replay(copied, options(name="surface", keep="surface"))
     stiffer = options(material=GelMaterial(2 * MATERIAL.youngs_modulus, MATERIAL.poisson_ratio, MATERIAL.friction))
-    with pytest.raises(UsageError, match="--replace"):
+    with pytest.raises(UsageError, match=r"\(youngs modulus \S+ there, \S+ here\).*--replace"):
         replay(copied, stiffer)
-    with pytest.raises(UsageError, match="--replace"):
+    with pytest.raises(UsageError, match=r"\(keep all there, surface here\).*--replace"):
+        replay(copied, options(keep="surface"))
+    with pytest.raises(UsageError, match=r"\(offsets 0 \(\w+\) there, 1 \(\w+\) here\).*--replace"):
         replay(copied, options(offsets={"0" * 16: 1e-5}))
     store = Store.open(copied)
     assert store.mesh_names == ("coarse", "surface")

@@ -89,6 +89,8 @@ def test_the_command_shows_what_is_kept_beside_any_metric(folder, capsys):
     assert "strength kept" in told
     assert "mask overlap" in told
     assert "nearer to 1 is closer" in told
+    assert "no interval for" in told
+    assert ": it takes 5 trajectories" in told
     code, out, err = run_command(capsys, *typed, "kept_touch", "--json")
     assert code == 0, err
     document = json.loads(out)

@@ -177,6 +177,8 @@ def test_the_command_serves_until_it_is_interrupted(tiny_store, tmp_path):
         address = line.split()[1]
         path = urlsplit(parse_qs(urlsplit(address).query)["url"][0]).path
         assert ask(address, path)[2] == (tmp_path / "view.rrd").read_bytes()
+        port = urlsplit(address).port
+        assert f"`ssh -L {port}:127.0.0.1:{port} " in running.stdout.readline()
         running.send_signal(signal.SIGINT)
         assert running.wait(30) == 0
     finally:

@@ -9,7 +9,7 @@ from dataclasses import replace
 from tactiledata.contract.simulated import NOTHING_STATED, SimulatedCount
 from tactiledata.diagnose.answer.glossary import STORE_TERMS, with_explanations
 from tactiledata.diagnose.answer.locator_rows import locators_section, shares_section
-from tactiledata.diagnose.answer.sentences import Answer
+from tactiledata.diagnose.answer.sentences import MOST_PROBABLE, Answer
 from tactiledata.diagnose.answer.unseen_page import (
     WITH_EFFECT,
     better_section,
@@ -198,10 +198,13 @@ def _unbroken(text: str) -> str:
 
 
 def _probabilities(naming: NamingResult) -> str:
-    """Return a sentence with the probabilities of all candidates, of nothing and of something else, largest first."""
+    """Return a sentence with the probabilities of all candidates, of nothing and of something else, largest first.
+
+    No probability above `MOST_PROBABLE` is stated, as in the claim.
+    """
     ranked = sorted(naming.decision.probabilities.items(), key=lambda item: -item[1])
     listed = [
-        f"{OTHERS.get(label) or title_of(label.split(' + '))} {percent(probability)}"
+        f"{OTHERS.get(label) or title_of(label.split(' + '))} {percent(min(probability, MOST_PROBABLE))}"
         for label, probability in ranked
         if probability >= LEAST_PROBABILITY
     ]

@@ -23,6 +23,8 @@ from tactiledata.effects.simulate.setting import EffectSetting, effects_document
 
 MOST_NUMBERS = 6
 """Most numbers of a fit that are all stated; of more, only those that differ from 0."""
+MOST_PROBABLE = 0.99
+"""Largest probability that is stated."""
 NEAR_BOUND = 0.01
 """Share of an interval within which a value counts as at its bound."""
 # from SI into the units of sentences
@@ -164,7 +166,12 @@ class Answer:
             sentences = [_claim(best, self._probability_of(best)), *(_tie(tie) for tie in decision.ties)]
             if decision.is_more_left:
                 sentences.append("The residual still has structure that no effect of the catalogue explains.")
-            return [*sentences, *_worst_two(decision.left), *_odd(self.naming.odd), _of_the_known(best, self.naming)]
+            return [
+                *sentences,
+                *_worst_two(decision.left, "More missing"),
+                *_odd(self.naming.odd),
+                _of_the_known(best, self.naming),
+            ]
         # no claim: the verdict
         if self.verdict is Verdict.NOT_EXPLAINED:
             sentences = ["Not explained: the residual has structure, and no effect of the catalogue explains it."]
@@ -178,7 +185,7 @@ class Answer:
             sentences = [
                 "Nothing found: noise, contact offsets and known errors of the simulation account for all differences."
             ]
-        sentences += [*_worst_two(decision.left), *_odd(self.naming.odd)]
+        sentences += [*_worst_two(decision.left, "Missing"), *_odd(self.naming.odd)]
         # why the nearest candidate is not claimed, and what could not have been seen
         if best is not None and decision.objections:
             objections = "; ".join(decision.objections)
@@ -255,8 +262,8 @@ def _titles(names: Sequence[str]) -> str:
 
 
 def _claim(best: ScoredCandidate, probability: float) -> str:
-    """Return the claim; no probability above 0.99 is stated."""
-    return f"The simulation lacks {_titles(best.names)} (probability {rounded(min(probability, 0.99))})."
+    """Return the claim; no probability above `MOST_PROBABLE` is stated."""
+    return f"The simulation lacks {_titles(best.names)} (probability {rounded(min(probability, MOST_PROBABLE))})."
 
 
 def _tie(tie: Tie) -> str:
@@ -274,13 +281,13 @@ def _tie(tie: Tie) -> str:
     )
 
 
-def _worst_two(left: RemainingStructure) -> list[str]:
-    """Return a sentence on two touches that keep nearly all of the residual; nothing where others keep it, too."""
+def _worst_two(left: RemainingStructure, missing: str) -> list[str]:
+    """Return a sentence on two touches that keep nearly all of what is left; nothing where others keep it, too."""
     if not left.is_in_few(DEFAULT_THRESHOLDS):
         return []
     return [
-        f"The residual beyond the noise is nearly all in {joined_names(left.worst_two)}: look at these two touches."
-        " Missing physics would show in the others, too."
+        f"What the best fit leaves beyond the noise is nearly all in {joined_names(left.worst_two)}: look at these two"
+        f" touches. {missing} physics would show in the others, too."
     ]
 
 

@@ -6,37 +6,43 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from tactiledata.contract.lfs_pointer import without_remedy
 from tactiledata.contract.records import Finding
-from tactiledata.errors import TactileDataError
+from tactiledata.errors import NotFetched, TactileDataError
 from tactiledata.store.read.meshes import FRAME_ARRAYS, HAS_MESH, StoredMesh
 from tactiledata.store.read.reader import Store
 
 BLOCK_ROWS = 64
+REMEDY = "`tactiledata replay --replace` makes it anew"
+"""What to do about a mesh that is damaged."""
 
 
 def mesh_findings(store: Store) -> Iterator[Finding]:
     """Meshes that cannot be read, rows that are not what their status says, and frames that were not replayed."""
     for name in store.mesh_names:
-        mesh = store.mesh(name)
-        rows = mesh.facts["rows"]
-        if rows > store.n_frames:
-            yield _damage(name, f"it has {rows} rows for {store.n_frames} frames")
-            continue
-        try:
-            mesh.pad()
-            fault = _first_fault(mesh, rows)
-        except (TactileDataError, OSError, ValueError, KeyError) as error:
-            fault = without_remedy(error)
-        if fault:
-            yield _damage(name, fault)
+        rows = store.mesh(name).facts["rows"]
+        if fault := mesh_fault(store, name):
+            yield Finding("store-mesh", "damage", f"mesh {name!r}: {fault}", stream=name)
         elif rows < store.n_frames:
             text = f"mesh {name!r} lacks the last {store.n_frames - rows} frames; `tactiledata replay` goes on"
             yield Finding("mesh-behind", "info", text, stream=name, count=store.n_frames - rows)
 
 
-def _damage(name: str, message: str) -> Finding:
-    return Finding("store-mesh", "damage", f"mesh {name!r}: {message}", stream=name)
+def mesh_fault(store: Store, name: str) -> str:
+    """Why a mesh of a store cannot be trusted, and what to do; empty where it is whole. All of it is read."""
+    mesh = store.mesh(name)
+    rows = mesh.facts["rows"]
+    if rows > store.n_frames:
+        return f"it has {rows} rows for {store.n_frames} frames; {REMEDY}"
+    try:
+        mesh.pad()
+        fault = _first_fault(mesh, rows)
+    except NotFetched as error:
+        return error.found
+    except TactileDataError as error:
+        fault = error.found
+    except (OSError, ValueError, KeyError) as error:
+        fault = str(error)
+    return f"{fault}; {REMEDY}" if fault else ""
 
 
 def _first_fault(mesh: StoredMesh, rows: int) -> str:

@@ -14,7 +14,15 @@ from tactiledata.contract.provenance import bytes_digest
 from tactiledata.contract.schema import check_document
 from tactiledata.contract.sealed import SEAL, fits_seal, sealed_json
 from tactiledata.errors import MissingFile, NotAStore, SchemaError, StoreError
-from tactiledata.store.layout.places import FORMAT, FORMAT_NAME, FORMAT_VERSION, MANIFEST, TABLES, Settings
+from tactiledata.store.layout.places import (
+    FORMAT,
+    FORMAT_NAME,
+    FORMAT_VERSION,
+    MANIFEST,
+    TABLES,
+    Settings,
+    table_folder,
+)
 from tactiledata.store.layout.regular_files import need_regular
 
 Manifest = dict[str, Any]
@@ -173,7 +181,7 @@ def read_manifest(store_path: Path | str, checked: bool = True, damaged: bool = 
 
 
 def not_a_store(location: str, exists: bool) -> MissingFile | StoreError:
-    """The error for a place without a manifest: a folder may be a store that lost it, a file can be none."""
+    """The error for a place without a manifest: a store that lost it has other files of one, a wrong call has none."""
     if not exists:
         return MissingFile(
             f"there is no store at {location}",
@@ -188,12 +196,24 @@ def not_a_store(location: str, exists: bool) -> MissingFile | StoreError:
             f"Name the folder of the store (its name usually ends in .zarr). {RECORDINGS}",
             path=location,
         )
-    return StoreError(
+    if has_tables(location):
+        return StoreError(
+            f"{location} has no {MANIFEST}, but other files of a store",
+            "a whole store",
+            f"Restore {MANIFEST} from a copy, or ingest the recordings into a new store.",
+            path=location,
+        )
+    return NotAStore(
         f"{location} is not a store: it has no {MANIFEST}",
         "a folder that `tactiledata ingest` wrote",
-        f"Name the folder that holds manifest.json (its name usually ends in .zarr). {RECORDINGS}",
+        f"Name the folder that holds {MANIFEST} (its name usually ends in .zarr). {RECORDINGS}",
         path=location,
     )
+
+
+def has_tables(location: Path | str) -> bool:
+    """Whether tables of a store lie in a local folder: without a manifest it is one that lost it."""
+    return any(Path(location, table_folder(table)).is_dir() for table in TABLES)
 
 
 def write_manifest(store_path: Path, manifest: Manifest) -> None:

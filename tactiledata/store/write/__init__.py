@@ -3,6 +3,7 @@
 - ``spool``: pictures on disk as they come. ``take_checks``: whether a take fits together.
 - ``writer``: a take becomes files that wait for their commit, a marker written last.
 - ``commit``: staged takes become part of the store in groups; the manifest is written last.
+- ``intake``: a store that takes recordings in; one that got nothing is taken away again.
 - ``appender``, ``image_appender``, ``value_appender``, ``sensor_appender``: the rows and sensors of one group on
   their way into arrays and tables.
 - ``recover``: what a killed writer left behind is removed. ``documents``: texts beside the

@@ -16,6 +16,8 @@ from tactiledata.store.layout.lock import unwritable, writing_lock
 from tactiledata.store.layout.manifest import (
     Manifest,
     empty_manifest,
+    has_tables,
+    not_a_store,
     read_manifest,
     settings_of,
     write_manifest,
@@ -80,8 +82,10 @@ def _refuse_foreign(folder: Path) -> None:
         raise NotAStore(f"{folder} is a file", "a folder for a store", "Choose another name.", path=str(folder))
     ours = {".lock", STAGING, "zarr.json"}
     strangers = sorted(place.name for place in folder.iterdir() if place.name not in ours and place.suffix != ".part")
+    if strangers and has_tables(folder):
+        raise not_a_store(str(folder), exists=True)
     if strangers:
-        raise StoreError(
+        raise NotAStore(
             f"the folder {folder} holds {', '.join(strangers[:3])}{' …' * (len(strangers) > 3)} but no {MANIFEST}",
             "a store, an empty folder or a new name",
             "Choose another name; nothing was changed.",

@@ -11,6 +11,7 @@ from touch_world import tiny_recipe
 from split_models.recipe import prepare
 from split_models.recipe.prepare import prepare_store, replayed_name, store_place
 from split_models.recipe.recipe import load_recipe
+from tactiledata.errors import MissingFile
 from tactiledata.rig.scenario.worlds import find_scenario
 
 FITTED = {"youngs_modulus": 8.5e5, "poisson_ratio": 0.47, "friction": 0.6, "offsets": {"uid": 1e-5}}
@@ -52,6 +53,16 @@ def prepared(tmp_path, monkeypatch):
         return given, loaded, store_place(loaded, tmp_path / "out")
 
     return run
+
+
+def test_a_store_that_is_not_there_is_told_with_the_recipe(tmp_path, monkeypatch):
+    """The message says which recipe names the store, and from where its path is seen."""
+    monkeypatch.chdir(tmp_path)
+    Path("mine.yaml").write_text(yaml.safe_dump(tiny_recipe("stores/ds.zarr", "mesh")))
+    with pytest.raises(MissingFile, match=r"the recipe mine names the store stores/ds\.zarr.* working folder"):
+        store_place(load_recipe("mine.yaml"), tmp_path / "out")
+    Path("stores/ds.zarr").mkdir(parents=True)
+    assert store_place(load_recipe("mine.yaml"), tmp_path / "out") == Path("stores/ds.zarr")
 
 
 def test_a_world_is_calibrated_before_it_is_replayed(prepared):

@@ -107,6 +107,18 @@ def test_data_are_named_once(tmp_path):
         load_recipe(tmp_path / "none.yaml")
 
 
+def test_a_recipe_file_named_without_its_ending_is_proposed(tmp_path, monkeypatch):
+    """The stem of a file that is there is no recipe; the message says to name the file with its ending."""
+    monkeypatch.chdir(tmp_path)
+    file = written(
+        tmp_path, {"format": "tactiledata-recipe/1", "title": "t", "data": {"store": "ds.zarr"}}, "mine.yaml"
+    )
+    with pytest.raises(UnknownName, match=r"A file mine\.yaml is there: name it with its ending\."):
+        load_recipe("mine")
+    assert load_recipe("mine.yaml").asked == "mine.yaml"
+    assert load_recipe(file).name == "mine"
+
+
 @pytest.mark.parametrize("name", bundled_recipes())
 @pytest.mark.parametrize("scale", SCALES)
 def test_bundled_recipes_load(name, scale):

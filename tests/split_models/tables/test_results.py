@@ -1,6 +1,7 @@
 """A finished table reads as what it is."""
 
 import json
+from dataclasses import replace
 
 from split_models.recipe.recipe import load_recipe
 from split_models.recipe.recipe_defaults import DEFAULTS
@@ -39,6 +40,8 @@ def test_the_page_has_every_part_and_the_papers_own_figures_apart(tmp_path):
     seen, unseen = text.split("## test_unseen")
     assert "another data set" not in seen
     assert "| SPLIT | 0.075 | 0.028 | 0.061 |" in unseen
+    own = replace(recipe, asked="my recipes/mine.yaml")
+    assert "`tactiledata run 'my recipes/mine.yaml' --scale small`" in markdown(result_document(own, rows, "d" * 64))
     paths = write_result(tmp_path, document)
     assert json.loads(paths["json"].read_text())["rows"] == rows
     assert paths["markdown"].read_text() == text

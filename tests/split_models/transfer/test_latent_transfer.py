@@ -1,5 +1,7 @@
 """Latent transfer: its laws hold for any weights, trained or not."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import torch
@@ -8,9 +10,9 @@ from small_models import image_vae, mesh_vae, pictures
 from split_models.learning.checkpoint import Checkpoint, TrainedOn, save_checkpoint
 from split_models.networks.latent import decode_pictures, encode_pictures
 from split_models.transfer.latent_transfer import LatentTransfer, laid_on, load_image_vae
-from split_models.transfer.methods import LATENT, vae_transfer
+from split_models.transfer.methods import LATENT, transfer_method, vae_transfer
 from split_models.transfer.picture_size import scaled
-from tactiledata.errors import CheckpointError
+from tactiledata.errors import CheckpointError, MissingFile, UsageError
 
 
 @pytest.fixture(scope="module")
@@ -106,3 +108,18 @@ def test_a_mesh_model_is_refused(tmp_path):
     save_checkpoint(tmp_path / "mesh.ckpt", Checkpoint.of(mesh_vae(), TrainedOn()))
     with pytest.raises(CheckpointError, match=r"holds a mesh_vae for one mesh topology.*image_vae"):
         load_image_vae(tmp_path / "mesh.ckpt")
+
+
+def test_a_folder_in_the_place_of_a_model_names_the_file_in_it(tmp_path):
+    """The folder that `train` prints is not said to be missing: the checkpoint in it is named."""
+    with pytest.raises(MissingFile, match=r"is a folder; .* Name the checkpoint"):
+        transfer_method("latent", tmp_path)
+    (tmp_path / "best.pt").touch()
+    with pytest.raises(MissingFile, match=r"is a folder; .* Name .*best\.pt\."):
+        transfer_method("latent", tmp_path)
+
+
+def test_a_model_for_a_method_that_takes_none_is_refused():
+    """The message lists every method that takes one."""
+    with pytest.raises(UsageError, match=r"latent, latent-on-background, .*latent-relit, adain"):
+        transfer_method("relit", Path("best.pt"))

@@ -13,7 +13,7 @@ from split_models.transfer.methods import vae_transfer
 from split_models.transfer.pixels import PIXEL_TRANSFERS
 from split_models.transfer.transfer_store import transfer_store
 from split_models.transfer.transfer_tasks import TransferTask, stage_task
-from tactiledata.errors import StoreError
+from tactiledata.errors import StoreError, UsageError
 from tactiledata.store.read.targets import Target
 
 
@@ -59,3 +59,17 @@ def test_a_source_that_changed_is_refused(source, target, tmp_path):
     with pytest.raises(StoreError, match="has changed since the transfer began"):
         stage_task(task)
     assert not (tmp_path / "out.zarr").exists()
+
+
+def test_a_scheduler_that_does_not_answer_leaves_nothing(source, target, tmp_path, monkeypatch):
+    """A store that was begun for it is gone again, with the folder above; one that was there keeps what it had."""
+    pytest.importorskip("distributed")
+    monkeypatch.setattr("tactiledata.compute.dask.CONNECT_TIMEOUT", 0.2)
+    method, nowhere = PIXEL_TRANSFERS["background_swap"], "tcp://127.0.0.1:9"
+    with pytest.raises(UsageError, match="no Dask scheduler answers"):
+        transfer_store(source, target, method, tmp_path / "transferred" / "new.zarr", scheduler=nowhere)
+    assert list(tmp_path.iterdir()) == []
+    transfer_store(source, target, method, tmp_path / "new.zarr", sensors=["D1"])
+    before = files(tmp_path / "new.zarr")
+    transfer_store(source, target, method, tmp_path / "new.zarr", sensors=["D1"], scheduler=nowhere)
+    assert files(tmp_path / "new.zarr") == before
