@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from tactiledata.errors import UsageError
 from tactiledata.registry import Registry
 
 if TYPE_CHECKING:
@@ -39,7 +40,13 @@ def make_scheduler(workers: int = 1, address: str | None = None) -> Scheduler:
     Raises
     ------
     UsageError
-        Fewer than one worker.
+        Fewer than one worker, or several beside an address.
     """
+    if address and workers != 1:
+        raise UsageError(
+            f"--workers {workers} beside --scheduler {address}",
+            "one of them",
+            "Leave out --workers: the cluster has workers of its own.",
+        )
     made: Scheduler = SCHEDULERS["dask"](address) if address else SCHEDULERS["local"](workers)
     return made

@@ -8,7 +8,7 @@ import time
 
 import pytest
 
-from tactiledata.compute import SCHEDULERS
+from tactiledata.compute import SCHEDULERS, make_scheduler
 from tactiledata.errors import BrokenLog, TactileDataError, UsageError
 
 
@@ -75,6 +75,13 @@ def test_zero_workers_is_refused():
     """Zero workers is a usage error."""
     with pytest.raises(UsageError, match="at least 1"):
         SCHEDULERS["local"](0)
+
+
+def test_workers_beside_a_cluster_are_refused():
+    """A number of local processes would be ignored; one is what no option says."""
+    with pytest.raises(UsageError, match="--workers 4 beside --scheduler tcp://here:1"):
+        make_scheduler(4, "tcp://here:1")
+    assert make_scheduler(1, "tcp://here:1").address == "tcp://here:1"
 
 
 def test_absent_dask_scheduler_is_a_usage_error(monkeypatch):
