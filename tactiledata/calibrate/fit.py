@@ -11,10 +11,9 @@ from tactiledata.calibrate.bounds import Bounds
 from tactiledata.calibrate.experiment import Experiment
 from tactiledata.calibrate.gent import youngs_modulus_of_shore_a
 from tactiledata.calibrate.intervals import Intervals, bootstrap_intervals, profile_intervals
-from tactiledata.calibrate.least_squares import polish
 from tactiledata.calibrate.losses import Loss, LossName, NormLoss, VectorLoss
 from tactiledata.calibrate.options import FEWEST, CalibrationOptions
-from tactiledata.calibrate.search import search
+from tactiledata.calibrate.search import search, search_squares
 from tactiledata.calibrate.simulation_error import SimulationError, simulation_error
 from tactiledata.nuisance.noise import WrenchNoise
 
@@ -96,8 +95,7 @@ def fit(experiment: Experiment, noise: WrenchNoise, bounds: Bounds, options: Cal
     vector = vector_loss(experiment, noise, fitted, options.offset_prior, options.shape_share)
     norm = norm_loss(experiment, fitted)
     if options.loss == "vector":
-        optimum = search(vector, bounds, start)
-        optimum = bounds.scaled(polish(vector, bounds, bounds.shares(optimum)).shares)
+        optimum = search_squares(vector, bounds, start)
         intervals = profile_intervals(vector, bounds, optimum)
     else:
         optimum = search(norm, bounds, start)

@@ -9,9 +9,10 @@ from closed_form import FRAMES, NOISE, TRUTH, ClosedFormWorld
 from tactiledata.calibrate.bounds import find_bounds
 from tactiledata.calibrate.fit import draw_held_out, fit
 from tactiledata.calibrate.gent import youngs_modulus_of_shore_a
+from tactiledata.calibrate.least_squares import polish
 from tactiledata.calibrate.losses import NormLoss, VectorLoss
 from tactiledata.calibrate.options import CalibrationOptions
-from tactiledata.calibrate.search import search
+from tactiledata.calibrate.search import search, search_squares
 from tactiledata.errors import UsageError
 
 PAPER = find_bounds("paper")
@@ -57,7 +58,7 @@ def test_without_noise_nothing_is_left(world):
     """Null: the residual at the truth is that of the interpolation, far below the noise; the truth is found."""
     offsets = np.random.default_rng(1).normal(0, 3e-5, world.count)
     loss = vector(world, world.measured(offsets=offsets, noise=None), prior=1e-3)
-    found = search(loss, PAPER, START)
+    found = search_squares(loss, PAPER, START)
     assert loss.value(found) < 0.1
     assert found == pytest.approx(TRUTH, rel=3e-3)
     assert np.allclose(loss.offsets(found), offsets, atol=3e-6)
@@ -67,7 +68,7 @@ def test_planted_truth_is_found_in_noise(world):
     """E within 1 %, mu within 3 %, offsets within what the noise allows; the residual is the noise."""
     offsets = np.random.default_rng(2).normal(0, 3e-5, world.count)
     loss = vector(world, world.measured(offsets=offsets))
-    found = search(loss, PAPER, START)
+    found = search_squares(loss, PAPER, START)
     assert found[0] == pytest.approx(TRUTH[0], rel=0.01)
     assert found[2] == pytest.approx(TRUTH[2], rel=0.03)
     assert loss.value(found) == pytest.approx(1.0, abs=0.06)
@@ -75,11 +76,40 @@ def test_planted_truth_is_found_in_noise(world):
 
 
 @pytest.mark.slow
+def test_a_rough_search_ends_where_a_fine_one_does(world):
+    """Gauss-Newton ends a rough search where it ends a fine one, within a thousandth of the box, for half the work."""
+    chance, asked = np.random.default_rng(4), np.zeros(2)
+    for bounds in (PAPER, find_bounds("wide"), find_bounds("wide")):
+        truth = TRUTH * [1 + chance.uniform(-0.25, 0.25), 1.0, 1 + chance.uniform(-0.3, 0.3)]
+        measured = world.measured(truth=truth, offsets=chance.normal(0, 3e-5, world.count))
+        fine, rough = CountedLoss(vector(world, measured)), CountedLoss(vector(world, measured))
+        wanted = polish(fine, bounds, bounds.shares(search(fine, bounds, START))).shares
+        assert bounds.shares(search_squares(rough, bounds, START)) == pytest.approx(wanted, abs=1e-3)
+        asked += [fine.asked, rough.asked]
+    assert asked[1] < 0.5 * asked[0]
+
+
+class CountedLoss:
+    """A vector loss that counts how often it is asked."""
+
+    def __init__(self, loss):
+        self._loss, self.asked = loss, 0
+
+    def residual(self, parameters):
+        self.asked += 1
+        return self._loss.residual(parameters)
+
+    def value(self, parameters):
+        self.asked += 1
+        return self._loss.value(parameters)
+
+
+@pytest.mark.slow
 def test_offsets_that_are_not_allowed_for_bias(world):
     """A shift that all trajectories share goes into E where poses are taken as they are, and not with offsets."""
     measured = world.measured(offsets=4e-5)
-    assert abs(search(vector(world, measured), PAPER, START)[0] / TRUTH[0] - 1) < 0.03
-    assert abs(search(vector(world, measured, prior=0.0), PAPER, START)[0] / TRUTH[0] - 1) > 0.04
+    assert abs(search_squares(vector(world, measured), PAPER, START)[0] / TRUTH[0] - 1) < 0.03
+    assert abs(search_squares(vector(world, measured, prior=0.0), PAPER, START)[0] / TRUTH[0] - 1) > 0.04
 
 
 def test_the_norm_loss_finds_the_truth_of_its_own_world(world):
