@@ -98,10 +98,22 @@ def test_replacing_loses_nothing(cluster, tmp_path):
     assert files(together) == files(alone)
 
 
-def slow_answer(task):
-    """An answer that takes half a second and names nothing; workers give it in place of a diagnosis."""
+KILLED = "killed"
+"""Name of a file beside a proof, which is there once a worker was killed."""
+
+
+def waiting_answer(task):
+    """An answer that names nothing; all but that to the first case wait until a worker was killed."""
+    is_first = task.name == min(json.loads(task.folder.seal.read_text())["cases"])
+    killed, end = task.folder.path.with_name(KILLED), time.monotonic() + 60.0
+
+    def named(*given):
+        while not is_first and not killed.exists() and time.monotonic() < end:
+            time.sleep(0.01)
+        return SimpleNamespace(document=said([]))
+
     tasks.played_plan = lambda *given: None
-    tasks.named_world = lambda *given: time.sleep(0.5) or SimpleNamespace(document=said([]))
+    tasks.named_world = named
     return tasks.answer(task)
 
 
@@ -109,16 +121,17 @@ def test_a_proof_loses_no_answer(cluster, tmp_path, monkeypatch):
     """A worker is killed after the first answer: each case has one answer, and attempts that gave none are counted."""
     folder = sealed_proof(tmp_path / "proof", cases=3)
     seal, killed = json.loads(folder.seal.read_text()), []
-    monkeypatch.setattr("tactiledata.prove.run.answer", slow_answer)
+    monkeypatch.setattr("tactiledata.prove.run.answer", waiting_answer)
     kill = killing(cluster, killed, 1)
 
     def kill_at_work(*done):
-        """Kill once another case is begun that has no answer yet."""
-        while not killed and not any(
-            folder.attempts_of(name) and not folder.answers_of(name) for name in seal["cases"]
-        ):
+        """Kill once both workers have begun cases, which wait for it."""
+        end = time.monotonic() + 60.0
+        while not killed and sum(len(folder.attempts_of(name)) for name in seal["cases"]) < 3:
+            assert time.monotonic() < end, "no second worker began a case"
             time.sleep(0.01)
         kill(*done)
+        (tmp_path / KILLED).touch()
 
     run = ProofRun(folder, REQUEST, tmp_path, make_scheduler(address=cluster.scheduler_address), kill_at_work)
     run.answer(seal)
