@@ -16,7 +16,7 @@ from tactiledata.errors import UsageError
 
 if TYPE_CHECKING:
     from tactiledata.prove.request import ProofRequest
-    from tactiledata.prove.seal.compare import Comparison
+    from tactiledata.prove.seal.compare import AnswerComparison
     from tactiledata.prove.seal.folder import ProofFolder
 
 SEEDS = 2**31
@@ -218,7 +218,7 @@ def _verify(folder: ProofFolder, root: str | None, other: ProofFolder | None, as
         raise typer.Exit(1)
 
 
-def print_comparison(compared: Comparison) -> None:
+def print_comparison(compared: AnswerComparison) -> None:
     """Print how far two sets of answers agree, as a table and a sentence for each difference."""
     from tactiledata.prove.seal.compare import COMPARED
 

@@ -166,12 +166,8 @@ class Answer:
             sentences = [_claim(best, self._probability_of(best)), *(_tie(tie) for tie in decision.ties)]
             if decision.is_more_left:
                 sentences.append("The residual still has structure that no effect of the catalogue explains.")
-            return [
-                *sentences,
-                *_worst_two(decision.left, "More missing"),
-                *_odd(self.naming.odd),
-                _of_the_known(best, self.naming),
-            ]
+            sentences += [*_worst_two(decision.left, "More missing"), *_odd(self.naming.odd)]
+            return [*sentences, _of_the_known(best, self.naming)]
         # no claim: the verdict
         if self.verdict is Verdict.NOT_EXPLAINED:
             sentences = ["Not explained: the residual has structure, and no effect of the catalogue explains it."]

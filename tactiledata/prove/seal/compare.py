@@ -16,7 +16,7 @@ COMPARED = {"verdict": "verdict", "names": "named effects", "set": "effects in t
 
 
 @dataclass(frozen=True)
-class Comparison:
+class AnswerComparison:
     """Answers to the same sealed cases in two folders.
 
     Parameters
@@ -46,7 +46,7 @@ class Comparison:
         }
 
 
-def compare(folder: ProofFolder, other: ProofFolder) -> Comparison:
+def compare(folder: ProofFolder, other: ProofFolder) -> AnswerComparison:
     """Return how far two folders agree in their answers to the cases that both of them answer; the last answers count.
 
     Parameters
@@ -79,7 +79,7 @@ def compare(folder: ProofFolder, other: ProofFolder) -> Comparison:
         if apart:
             said = "; ".join(f"{COMPARED[field]}: {_told(first[field])}, {_told(second[field])}" for field in apart)
             differences.append(f"{name}: {said}.")
-    return Comparison(len(both), agreed, tuple(differences))
+    return AnswerComparison(len(both), agreed, tuple(differences))
 
 
 def _sealed_cases(folder: ProofFolder, other: ProofFolder) -> Mapping[str, Any]:
