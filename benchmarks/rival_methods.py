@@ -164,7 +164,7 @@ def gaussian_process(case: Case) -> tuple[str, ...]:
     white, fit = case.white, case.base
     told = _told(white)
     known = white.weights > 0
-    residual = white.in_newtons(white.with_zeros(fit.residual))
+    residual = white.in_newtons(white.with_own(fit.residual))
     chance = np.random.default_rng(0)
     learned = chance.permutation(np.flatnonzero(known))[:GP_FRAMES]
     groups = folds_of(len(white.starts), 0)[white.trajectory]

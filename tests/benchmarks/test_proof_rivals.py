@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
-from proof_rivals import difference, is_right, judged, show
+from proof_rivals import METHODS, difference, is_right, judged, show
+from rival_methods import Case
 from sealed_proofs import answered_proof
+from touch_worlds import PLANTS, START, world_cases
 
 from tactiledata.prove.seal.verify import scored_cases
 
@@ -53,3 +55,14 @@ def test_a_method_is_judged_by_its_own_names(tmp_path, said):
     case = next(one for one in scored_cases(answered_proof(tmp_path / "proof")) if one.truth)
     ((_, right, _),) = judged([case], [{"case": case.name, "method": "m", "said": said}])["m"]
     assert right == bool(said)
+
+
+@pytest.mark.slow
+def test_each_method_answers_and_the_ladder_finds_a_planted_effect():
+    """Touches that relax: every method gives names of the catalogue or none, and a BIC ladder gives relaxation first."""
+    effects = ("relaxation", "lag")
+    case = Case(world_cases(PLANTS["relaxation"], 0, trajectories=24), START, effects)
+    said = {name: method(case) for name, method in METHODS.items()}
+    assert all(set(names) <= set(effects) for names in said.values())
+    assert said["BIC ladder"][0] == "relaxation"
+    assert said["always nothing"] == ()
