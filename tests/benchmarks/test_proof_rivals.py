@@ -59,7 +59,7 @@ def test_a_method_is_judged_by_its_own_names(tmp_path, said):
 
 @pytest.mark.slow
 def test_each_method_answers_and_the_ladder_finds_a_planted_effect():
-    """Touches that relax: every method gives names that were asked for, or none; a BIC ladder gives relaxation first."""
+    """Touches that relax: each method gives names that were asked for, or none; a BIC ladder begins with relaxation."""
     effects = ("relaxation", "lag")
     case = Case(world_cases(PLANTS["relaxation"], 0, trajectories=24), START, effects)
     said = {name: method(case) for name, method in METHODS.items()}
