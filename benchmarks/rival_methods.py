@@ -29,6 +29,7 @@ from tactiledata.diagnose.touches.simulation_errors import NumericalErrors
 from tactiledata.diagnose.touches.touch_case import TouchSet
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.effects.simulate.setting import EffectSetting
+from tactiledata.errors import UsageError
 from tactiledata.gel.elasticity.material import GelMaterial
 
 Array = NDArray[np.float64]
@@ -87,7 +88,8 @@ def bic_ladder(case: Case) -> tuple[str, ...]:
     best, signatures, kept = case.base, case.signatures, frozenset[Strength]()
     for _ in range(MOST_STEPS):
         ranked = sorted(screen(best.metric, best.residual_at_centre, signatures), key=lambda one: -one.score)
-        tried = [_with(case, best, kept, one) for one in ranked[:MOST_REFITS] if one.effect not in best.names]
+        others = [one for one in ranked[:MOST_REFITS] if one.effect not in best.names]
+        tried = [found for one in others if (found := _with(case, best, kept, one)) is not None]
         if not tried:
             break
         found, added = min(tried, key=lambda one: criterion(one[0]))
@@ -101,8 +103,12 @@ def bic_ladder(case: Case) -> tuple[str, ...]:
 
 def _with(
     case: Case, fit: JointFit, kept: frozenset[Strength], added: Screened
-) -> tuple[JointFit, frozenset[Strength]]:
-    return case.fit([*fit.model.settings, *added.starts[0]], kept | added.strengths), added.strengths
+) -> tuple[JointFit, frozenset[Strength]] | None:
+    """The fit with an effect more, and that effect's strengths; ``None`` where gel and springs find no balance."""
+    try:
+        return case.fit([*fit.model.settings, *added.starts[0]], kept | added.strengths), added.strengths
+    except UsageError:
+        return None
 
 
 def _by_name(signatures: Sequence[Signature]) -> dict[str, list[Signature]]:
