@@ -50,7 +50,7 @@ def is_right(kind: str, truth: frozenset[str], said: Sequence[str]) -> bool:
 
 
 def judged(cases: Sequence[ScoredCase], kept: Sequence[dict[str, Any]]) -> dict[str, list[tuple[str, bool, bool]]]:
-    """Of each method, for each case that it answered: kind of the case, whether it is right, whether ours is."""
+    """Return, by method, a row for each case that it answered: kind, whether its answer is right, whether ours is."""
     by_name = {case.name: case for case in cases}
     found: dict[str, list[tuple[str, bool, bool]]] = {}
     for one in kept:

@@ -17,7 +17,7 @@ LOCAL_EVALUATIONS = 1500
 PRECISION = 1e-6
 """Change of the parameters, relative to the box, at which a search ends."""
 ROUGH = 1e-2
-"""The same for a search that Gauss-Newton goes on with: it needs a tenth of the evaluations near the minimum."""
+"""Change of the parameters, relative to the box, at which a search ends whose result Gauss-Newton improves."""
 
 
 def search(loss: Loss, bounds: Bounds, start: Array) -> Array:

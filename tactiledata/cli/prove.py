@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -224,12 +225,16 @@ def print_comparison(compared: AnswerComparison) -> None:
 
     rows = []
     for field, one in compared.document["agreed"].items():
-        low, high = one["interval"]
-        share = f"{100 * max(0.0, low):.0f} to {100 * min(1.0, high):.0f} %"
-        rows.append([COMPARED[field], f"{one['count']} of {compared.cases}", share])
+        rows.append([COMPARED[field], f"{one['count']} of {compared.cases}", _in_percent(one["interval"])])
     table("Answers of two machines", ["what", "the same in", "95 % interval"], rows)
     for sentence in compared.differences:
         say(f"differs: {sentence}")
+
+
+def _in_percent(interval: Sequence[float]) -> str:
+    """Return the interval of a share in percent."""
+    low, high = interval
+    return f"{100 * max(0.0, low):.0f} to {100 * high:.0f} %"
 
 
 def print_score(score: Any) -> None:
@@ -242,7 +247,7 @@ def print_score(score: Any) -> None:
     rows = [
         [
             one["what"], one["target"], f"{one['right']} of {one['count']}",
-            f"{100 * max(0.0, one['interval'][0]):.0f} to {100 * one['interval'][1]:.0f} %",
+            _in_percent(one["interval"]),
             met_words(one),
         ]
         for one in score["targets"]

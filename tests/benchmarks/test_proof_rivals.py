@@ -51,7 +51,7 @@ def test_the_table_has_our_answers_to_the_same_cases(tmp_path, capsys):
 
 @pytest.mark.parametrize("said", [[], ["lag"]])
 def test_a_method_is_judged_by_its_own_names(tmp_path, said):
-    """The same case is right or wrong by what the method says, whatever ours said."""
+    """The answer of another method is right or wrong by its own names, whatever our answer to the case is."""
     case = next(one for one in scored_cases(answered_proof(tmp_path / "proof")) if one.truth)
     ((_, right, _),) = judged([case], [{"case": case.name, "method": "m", "said": said}])["m"]
     assert right == bool(said)

@@ -54,7 +54,7 @@ def test_a_bound_hit_is_called_a_symptom(world):
 
 
 def test_wider_bounds_are_advised_only_where_there_are_any(world):
-    """Of a parameter at the end of the widest bounds, another way is named."""
+    """The warning about a parameter at the end of the widest bounds names the diagnosis in place of wider bounds."""
     shares = np.array([0.5, 0.0, 0.5])
     _, found = said(world, world.measured())
     at_end = by_code(remarks(replace(found, parameters=PAPER.scaled(shares)), PAPER, 4e-5, {}, True))

@@ -34,7 +34,7 @@ def most_threads(size):
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_a_task_has_one_thread(workers, monkeypatch):
-    """In this process and in workers, whatever the libraries would take; this process keeps its own number."""
+    """A task has one thread, in this process and in workers; outside of tasks this process has as many as before."""
     monkeypatch.setenv("OMP_NUM_THREADS", "2")
     monkeypatch.setenv("OPENBLAS_NUM_THREADS", "2")
     with threadpool_limits(limits=2, user_api="blas"):

@@ -13,10 +13,10 @@ Read in this order:
    `refit`: which effects and pairs of effects are fitted in this way.
 5. `held_out`: how well fits predict data they have not seen. `remaining_structure`: whether the best fit leaves more
    than noise.
-6. `agreement`: how well trajectories agree on an effect. `evidence`: gain, evidence and signature of a candidate, and
-   the objections to it. `thresholds`: the evidence that a claim of each effect needs, the other numbers of a claim,
-   and where they come from. `decide`: the answer: a claim, a trace (below detection), or nothing. `ties`: effects that
-   these data cannot tell from it.
+6. `agreement`: how well trajectories agree on an effect, and whether its strength changes with time. `evidence`:
+   gain, evidence and signature of a candidate, and the objections to it. `thresholds`: the evidence that a claim of
+   each effect needs, the other numbers of a claim, and where they come from. `decide`: the answer: a claim, a trace
+   (below detection), or nothing. `ties`: effects that these data cannot tell from it.
 7. `intervals`, `identifiability`, `simulator_share`: how certain the numbers are, what these data could show at all,
    what the fit attributes to errors of the simulation.
 8. `options`, `name_effects`: the choices, and all steps in order. `rivals`: which explanations the answer leaves open.

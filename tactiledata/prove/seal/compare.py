@@ -8,7 +8,7 @@ from typing import Any
 
 from tactiledata.errors import UsageError
 from tactiledata.prove.score.wilson import interval
-from tactiledata.prove.seal.folder import ProofFolder, read_sealed
+from tactiledata.prove.seal.folder import ProofFolder, last_answer, read_sealed
 from tactiledata.prove.seal.verify import need_seal
 
 COMPARED = {"verdict": "verdict", "names": "named effects", "set": "effects in the set"}
@@ -62,7 +62,8 @@ def compare(folder: ProofFolder, other: ProofFolder) -> AnswerComparison:
         A folder holds no proof, or a file of it cannot be read.
     """
     cases = _sealed_cases(folder, other)
-    both = [name for name in sorted(cases) if folder.answers_of(name) and other.answers_of(name)]
+    answers = {name: (last_answer(folder, name), last_answer(other, name)) for name in sorted(cases)}
+    both = {name: (one, two) for name, (one, two) in answers.items() if one is not None and two is not None}
     if not both:
         raise UsageError(
             f"no case is answered both in {folder.path} and in {other.path}",
@@ -71,8 +72,8 @@ def compare(folder: ProofFolder, other: ProofFolder) -> AnswerComparison:
         )
     agreed = dict.fromkeys(COMPARED, 0)
     differences = []
-    for name in both:
-        first, second = (_last_answer(one, name) for one in (folder, other))
+    for name, documents in both.items():
+        first, second = (_compared(one, name) for one in documents)
         apart = [field for field in COMPARED if first[field] != second[field]]
         for field in COMPARED:
             agreed[field] += field not in apart
@@ -99,14 +100,11 @@ def _sealed_cases(folder: ProofFolder, other: ProofFolder) -> Mapping[str, Any]:
     return cases
 
 
-def _last_answer(folder: ProofFolder, name: str) -> dict[str, Any]:
-    """Return the compared fields of the last answer to a case, effects in alphabetical order."""
-    document, _ = read_sealed(folder.answer(name, folder.answers_of(name)[-1]))
+def _compared(document: Mapping[str, Any], name: str) -> dict[str, Any]:
+    """Return the compared fields of an answer to a case, effects in alphabetical order."""
     answer = document.get("answer")
     if not isinstance(answer, dict) or not set(COMPARED) <= set(answer):
-        raise UsageError(
-            f"{folder.path} has an answer to {name} without {', '.join(COMPARED)}", "answers of `tactiledata prove`"
-        )
+        raise UsageError(f"an answer to {name} without {', '.join(COMPARED)}", "answers of `tactiledata prove`")
     return {field: answer[field] if field == "verdict" else sorted(answer[field]) for field in COMPARED}
 
 

@@ -109,6 +109,12 @@ class ProofFolder:
         return _numbers_of(self.path / "answers", checked_name(name))
 
 
+def last_answer(folder: ProofFolder, name: str) -> dict[str, Any] | None:
+    """Return the document of the last answer to a case, which is the one that counts; ``None`` without an answer."""
+    numbers = folder.answers_of(name)
+    return read_sealed(folder.answer(name, numbers[-1]))[0] if numbers else None
+
+
 def checked_name(name: str) -> str:
     """Return the name of a case; refuse one that could lead out of the folder.
 

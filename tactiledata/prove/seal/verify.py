@@ -10,7 +10,7 @@ from tactiledata.contract.provenance import digest_of, file_digest
 from tactiledata.errors import StoreError, TactileDataError, UsageError
 from tactiledata.prove.score.score import score_of
 from tactiledata.prove.score.scored_case import ScoredCase
-from tactiledata.prove.seal.folder import FORMAT, ProofFolder, read_json, read_sealed
+from tactiledata.prove.seal.folder import FORMAT, ProofFolder, last_answer, read_json, read_sealed
 from tactiledata.prove.seal.frozen import changed_numbers, frozen_tool, tool_digest
 from tactiledata.prove.seal.leak import leak_of
 from tactiledata.prove.seal.merkle import commitment, root_of
@@ -60,9 +60,8 @@ def scored_cases(folder: ProofFolder) -> list[ScoredCase]:
     labels: dict[str, Any] = read_json(folder.labels)
     found = []
     for name in sorted(labels):
-        numbers = folder.answers_of(name)
-        if numbers:
-            answer, _ = read_sealed(folder.answer(name, numbers[-1]))
+        answer = last_answer(folder, name)
+        if answer is not None:
             found.append(ScoredCase(name, labels[name]["label"], answer["answer"], float(answer["seconds"])))
     return found
 
