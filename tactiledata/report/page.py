@@ -7,11 +7,18 @@ All pages share this look. In every picture measured values are dots and simulat
 from __future__ import annotations
 
 import base64
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from tactiledata.contract.simulated import NOTHING_STATED, SimulatedCount
 
+if TYPE_CHECKING:
+    from markupsafe import Markup
+
+CODE = re.compile(r"`([^`\n]+)`")
+"""What a sentence quotes of a command or a program."""
 TEMPLATE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><title>{{ title }}</title>
 <meta name="viewport" content="width=device-width, initial-scale=1"><link rel="icon" href="data:,">
@@ -37,7 +44,6 @@ th { white-space: nowrap; } td.number { text-align: right; font-variant-numeric:
 figure { margin: .8rem 0 1.2rem; } figcaption, .legend { font-size: .85rem; color: var(--grey); }
 figcaption { max-width: 48rem; } .legend svg { vertical-align: -.1em; margin-right: .4em; }
 .row { display: flex; flex-wrap: wrap; align-items: flex-start; } .row img { display: block; height: auto; box-sizing: border-box; }
-.photographs { background: #fff; }
 code, pre { font-family: ui-monospace, monospace; font-size: .85rem; background: var(--box); }
 pre { padding: .6rem; overflow-x: auto; } .damage { color: var(--damage); } .warning { color: var(--warning); }
 .info { color: var(--grey); }
@@ -58,7 +64,7 @@ footer { margin-top: 3rem; font-size: .8rem; color: var(--grey); overflow-wrap: 
 {% for row in picture.rows %}<div class="row" style="max-width: {{ row | sum(attribute="width") }}px">
 {%- for panel in row %}<img class="{{ 'photographs' if panel.is_photograph else 'drawn' }}" style="flex: {{ panel.width }} 1 0; min-width: min(100%, {{ [panel.width - 24, 208] | min }}px)" alt="{{ simulated.captioned(panel.words or picture.caption) }}" src="data:image/png;base64,{{ panel.encoded }}">{% endfor %}</div>
 {% endfor %}<figcaption>{{ simulated.captioned(picture.caption) }}</figcaption></figure>{% endmacro %}
-{% macro paragraphs(sentences) %}{% for kind, text in sentences %}<p{% if kind %} class="{{ kind }}"{% endif %}>{{ text }}</p>{% endfor %}{% endmacro %}
+{% macro paragraphs(sentences) %}{% for kind, text in sentences %}<p{% if kind %} class="{{ kind }}"{% endif %}>{{ text | with_code }}</p>{% endfor %}{% endmacro %}
 {% set open_sections = sections | rejectattr("is_folded") | list %}
 <a class="skip" href="#content">Skip to the content</a>
 <main id="content">
@@ -209,6 +215,7 @@ def render_page(
     from jinja2 import Environment, StrictUndefined
 
     environment = Environment(autoescape=True, undefined=StrictUndefined)
+    environment.filters["with_code"] = _with_code
     return environment.from_string(TEMPLATE).render(
         title=simulated.titled(title),
         sentences=[
@@ -220,3 +227,10 @@ def render_page(
         simulated=simulated,
         first_picture=first_picture,
     )
+
+
+def _with_code(text: str) -> Markup:
+    """Return a sentence as HTML, what stands between backticks set as code; all text is escaped."""
+    from markupsafe import Markup, escape
+
+    return Markup(CODE.sub(r"<code>\1</code>", str(escape(text))))

@@ -20,13 +20,15 @@ RESOLUTION = 150
 """Dots per inch of panels."""
 MARGIN = 3
 """Pixels between a cut and what is drawn behind it."""
+GREY = 121
+"""Grey level of words beside photographs: on a light and on a dark page their contrast is 4.3."""
 
 
 def panels_of(figure: Figure, caption: str) -> Picture:
     """Return a figure as a picture for a page: rows of panels, and a legend of all labels that were drawn.
 
     Each subplot is a panel, with its bar of colours if it has one. Neighbouring subplots that show photographs stay
-    together in one panel, on white. All other panels have no background.
+    together in one panel, their words in grey. No panel has a background.
 
     Parameters
     ----------
@@ -62,7 +64,7 @@ def panels_of(figure: Figure, caption: str) -> Picture:
     }
     cut = [
         tuple(
-            _panel(drawn[top:bottom, lefts[_span(group[0]).start] : _right(group, lefts, width)], group)
+            _panel(drawn, group, (slice(top, bottom), slice(lefts[_span(group[0]).start], _right(group, lefts, width))))
             for group in row
         )
         for row, top, bottom in zip(rows, tops, tops[1:], strict=False)
@@ -113,15 +115,20 @@ def _end(groups: Sequence[Sequence[Axes]], renderer: Any, side: str) -> int:
     return int(min(ends)) if side == "x0" else int(np.ceil(max(ends)))
 
 
-def _panel(pixels: NDArray[np.uint8], group: Sequence[Axes]) -> Panel:
-    """Return the part of a drawn figure that shows some subplots."""
+def _panel(drawn: NDArray[np.uint8], group: Sequence[Axes], cut: tuple[slice, slice]) -> Panel:
+    """Return the part of a drawn figure (H, W, RGBA) that shows some subplots; ``cut`` are its rows and columns."""
     is_photograph = all(_is_photograph(axis) for axis in group)
-    shown = pixels[..., [2, 1, 0, 3]].copy()
+    shown = drawn[..., [2, 1, 0, 3]].copy()
     if is_photograph:
-        share = shown[..., 3:] / 255.0
-        shown = np.round(share * shown[..., :3] + 255.0 * (1.0 - share)).astype(np.uint8)
-    encoded = cv2.imencode(".png", shown)[1].tobytes()
-    return Panel(encoded, pixels.shape[1], "; ".join(filter(None, map(_words, group))), is_photograph)
+        # words and frames in grey, photographs as they are
+        beside = np.ones(shown.shape[:2], dtype=bool)
+        for axis in group:
+            box = axis.get_window_extent()
+            beside[len(shown) - round(box.y1) : len(shown) - round(box.y0), round(box.x0) : round(box.x1)] = False
+        shown[beside, :3] = GREY
+    encoded = cv2.imencode(".png", shown[cut])[1].tobytes()
+    words = "; ".join(filter(None, map(_words, group)))
+    return Panel(encoded, shown[cut].shape[1], words, is_photograph)
 
 
 def _words(axis: Axes) -> str:

@@ -8,8 +8,8 @@ pytest.importorskip("matplotlib")
 import cv2
 
 from tactiledata.report import calibration_plots, diagnosis_plots, naming_plots, replay_plots
-from tactiledata.report.page import LegendEntry
-from tactiledata.report.panels import legend_of, panels_of
+from tactiledata.report.page import LegendEntry, render_page
+from tactiledata.report.panels import GREY, legend_of, panels_of
 from tactiledata.report.plots import TouchPicture, draw_touches
 
 SECONDS = np.linspace(0.0, 1.0, 6)
@@ -93,13 +93,24 @@ def test_panels_hold_all_that_is_drawn():
 
 
 def test_photographs_keep_their_colours_on_a_dark_page():
-    """The photographs of a touch are one panel on white; the plot of forces beside them has no background."""
-    photographs, plot = panels_of(FIGURES["recorded"](), "caption").rows[0]
+    """The photographs of a touch are one opaque panel each, their words grey; nothing has a background."""
+    figure = FIGURES["recorded"]()
+    photographs, plot = panels_of(figure, "caption").rows[0]
     assert (photographs.is_photograph, plot.is_photograph) == (True, False)
     assert "difference" in photographs.words
-    decoded = [cv2.imdecode(np.frombuffer(panel.png, np.uint8), cv2.IMREAD_UNCHANGED) for panel in (photographs, plot)]
-    assert decoded[0].shape[2] == 3
-    assert (decoded[1][..., 3] == 0).mean() > 0.5
+    shown, drawn = (
+        cv2.imdecode(np.frombuffer(panel.png, np.uint8), cv2.IMREAD_UNCHANGED) for panel in (photographs, plot)
+    )
+    assert (drawn[..., 3] == 0).mean() > 0.5
+    assert (shown[..., 3] == 0).any()
+    boxes = [axis.get_window_extent() for axis in figure.axes[:3]]
+    area = sum(box.width * box.height for box in boxes)
+    assert (shown[..., 3] == 255).sum() > 0.95 * area
+    # whatever is drawn and not grey is part of a photograph
+    coloured = (shown[..., 3] > 0) & (shown[..., :3] != GREY).any(axis=2)
+    assert 0.5 * area < coloured.sum() < 1.05 * area
+    beside = shown[(shown[..., 3] > 0) & ~coloured]
+    assert len(beside) > 100
 
 
 def test_a_legend_says_how_a_mark_is_drawn():
@@ -111,3 +122,11 @@ def test_a_legend_says_how_a_mark_is_drawn():
     assert marks["share of all values"] == marks["image taken"] == "tick"
     assert marks["evidence"] == "box"
     assert marks["optimum"] == "cross"
+
+
+def test_commands_in_sentences_are_set_as_code():
+    """What stands between backticks is code; a lone backtick stays, and tags are escaped within and without."""
+    page = render_page("title", ["`tactiledata diagnose` looks", "a ` and <b>", "`<script>`"], [], "footer")
+    assert "<p><code>tactiledata diagnose</code> looks</p>" in page
+    assert "<p>a ` and &lt;b&gt;</p>" in page
+    assert "<p><code>&lt;script&gt;</code></p>" in page
