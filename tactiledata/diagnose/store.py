@@ -7,6 +7,7 @@ from collections.abc import Callable
 from tactiledata.calibrate.measured import read_measured
 from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.calibrate.plays.learned_plays import example_touches
+from tactiledata.compute import make_scheduler
 from tactiledata.compute.threads import one_thread
 from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.diagnose.answer.diagnosis import StoreDiagnosis
@@ -97,7 +98,7 @@ def diagnose_store(
     played, naming, full_plays = named_with_full_plays(play, name, lambda naming: first_answer(Answer(naming).what[0]))
     candidates = candidates_of(played)
     with one_thread():
-        naming = with_profiles(naming, step_progress)
+        naming = with_profiles(naming, step_progress, make_scheduler(options.workers, options.scheduler))
         # compare on data that had no part in the fit
         shown = show(naming, options.seed, step_progress)
         # a formula where no known effect explains what is missing

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from tactiledata.calibrate.intervals import RISE
+from tactiledata.compute.base import Scheduler
+from tactiledata.compute.local import LocalScheduler
 from tactiledata.diagnose.naming.joint_fit import JointFit, least_cost
 from tactiledata.diagnose.naming.signatures import MATERIAL
 from tactiledata.diagnose.residuals.wording import quantity
@@ -18,6 +21,8 @@ ROUNDS = 3
 """Largest number of rounds of each of these refits, which start near their optimum."""
 AT_BOUND = 0.01
 """Share of the width of its bounds within which a fitted number counts as standing at a bound."""
+SIDES = (-1.0, 1.0)
+"""Directions of the two ends of an interval."""
 IMPLAUSIBLE_SIGMAS = 2.0
 """Standard errors by which a strength must exceed its plausible range to count against an effect."""
 
@@ -45,60 +50,106 @@ class ProfiledInterval:
     high_is_bound: bool = False
 
 
-def intervals(
-    whitened: WhitenedTouches, fit: JointFit, dispersion: float, profiled: bool = True
-) -> tuple[ProfiledInterval, ...]:
-    """Return the intervals of E, nu, mu and of each number of the effects.
+@dataclass(frozen=True)
+class IntervalRequest:
+    """A fit whose intervals are asked for.
 
     Parameters
     ----------
     whitened : WhitenedTouches
         Trajectories of the fit.
     fit : JointFit
-        Fit whose numbers are asked for; the plain fit has only the first three.
+        Fit whose numbers are asked for: E, nu, mu, and each number of its effects.
     dispersion : float
         Factor, at least 1, on the rise of the cost at which an interval ends; above 1 where more than noise is left.
-    profiled : bool
-        Whether the ends are searched by refits; otherwise they follow from the curvature, without further plays.
     """
-    vector, (low, high) = fit.model.vector, fit.model.bounds
-    deviations = np.sqrt(np.maximum(np.diag(fit.covariance), 0.0) * dispersion)
-    results = []
-    for entry in range(3 + len(fit.model.coordinates)):
-        ends = []
-        for side in (-1.0, 1.0):
-            limit = low[entry] if side < 0 else high[entry]
-            reach = float(np.sqrt(RISE) * deviations[entry])
-            if profiled:
-                reach = _profiled(whitened, fit, entry, side, reach, abs(limit - vector[entry]), dispersion)
-            ends.append(float(np.clip(vector[entry] + side * reach, low[entry], high[entry])))
-        name, unit = _name(fit, entry)
-        value, first, last = (_value(fit, entry, number) for number in (vector[entry], *ends))
-        at_bound = bool(ends[0] <= low[entry]), bool(ends[1] >= high[entry])
-        results.append(ProfiledInterval(name, unit, value, first, last, *at_bound))
-    return tuple(results)
+
+    whitened: WhitenedTouches
+    fit: JointFit
+    dispersion: float
+
+    @property
+    def ends(self) -> list[_End]:
+        """Both ends of the interval of each number, in order."""
+        return [_End(self, entry, side) for entry in range(3 + len(self.fit.model.coordinates)) for side in SIDES]
+
+    def reached(self, reaches: Sequence[float]) -> tuple[ProfiledInterval, ...]:
+        """Return the intervals from how far each of ``ends`` lies from the best value, in the unit of the vector."""
+        fit = self.fit
+        vector, (low, high) = fit.model.vector, fit.model.bounds
+        results = []
+        for entry in range(3 + len(fit.model.coordinates)):
+            ends = [
+                float(np.clip(vector[entry] + side * reach, low[entry], high[entry]))
+                for side, reach in zip(SIDES, reaches[2 * entry : 2 * entry + 2], strict=True)
+            ]
+            name, unit = _name(fit, entry)
+            value, first, last = (_value(fit, entry, number) for number in (vector[entry], *ends))
+            at_bound = bool(ends[0] <= low[entry]), bool(ends[1] >= high[entry])
+            results.append(ProfiledInterval(name, unit, value, first, last, *at_bound))
+        return tuple(results)
 
 
-def _profiled(
-    whitened: WhitenedTouches, fit: JointFit, entry: int, side: float, reach: float, room: float, dispersion: float
-) -> float:
-    """How far an entry of the vector can move before the cost has risen by ``RISE``, all other numbers fitted anew.
+def intervals(request: IntervalRequest) -> tuple[ProfiledInterval, ...]:
+    """Return the intervals of E, nu, mu and of each number of the effects by the curvature, without further plays."""
+    return request.reached([end.by_curvature for end in request.ends])
 
-    Each round scales the reach as if the cost were a parabola with its minimum at the fit.
+
+def profiled_intervals(
+    requests: Sequence[IntervalRequest], runner: Scheduler | None = None
+) -> list[tuple[ProfiledInterval, ...]]:
+    """Return the intervals of fits, each end searched by refits.
 
     Parameters
     ----------
-    whitened, fit, dispersion
-        As in `intervals`.
-    entry : int
-        Index into the model's vector.
-    side : float
-        -1 downwards, 1 upwards.
-    reach : float
-        First guess, in the unit of the vector.
-    room : float
-        Distance to the bound of the fit on this side.
+    requests : sequence of IntervalRequest
+        The fits.
+    runner : Scheduler, optional
+        Where ends are searched; in this process where ``None``.
     """
+    ends = [end for request in requests for end in request.ends]
+    reaches = []
+    for outcome in (runner or LocalScheduler()).outcomes(_profiled, ends):
+        if outcome.error is not None:
+            raise outcome.error
+        reaches.append(float(outcome.result or 0.0))
+    found = []
+    for request in requests:
+        count = len(request.ends)
+        found.append(request.reached(reaches[:count]))
+        del reaches[:count]
+    return found
+
+
+@dataclass(frozen=True)
+class _End:
+    """An end of the interval of one number: its entry of the model's vector, and -1 downwards or 1 upwards."""
+
+    request: IntervalRequest
+    entry: int
+    side: float
+
+    @property
+    def by_curvature(self) -> float:
+        """How far it lies from the best value by the curvature of the cost, in the unit of the vector."""
+        variance = max(float(self.request.fit.covariance[self.entry, self.entry]), 0.0)
+        return float(np.sqrt(RISE * variance * self.request.dispersion))
+
+    @property
+    def room(self) -> float:
+        """Distance to the bound of the fit on this side."""
+        low, high = self.request.fit.model.bounds
+        limit = low[self.entry] if self.side < 0 else high[self.entry]
+        return float(abs(limit - self.request.fit.model.vector[self.entry]))
+
+
+def _profiled(end: _End) -> float:
+    """How far an entry of the vector can move before the cost has risen by ``RISE``, all other numbers fitted anew.
+
+    Each round scales the reach as if the cost were a parabola with its minimum at the fit.
+    """
+    request, entry, room, reach = end.request, end.entry, end.room, end.by_curvature
+    fit = request.fit
     covariance = fit.covariance
     # the other entries start where they follow this one to first order
     along = covariance[:, entry] / max(float(covariance[entry, entry]), 1e-300)
@@ -107,8 +158,8 @@ def _profiled(
         reach = min(reach, room)
         if reach <= 0.0:
             return 0.0
-        start = fit.model.at(np.clip(fit.model.vector + side * reach * along, low, high), fit.model.offsets)
-        rise = (least_cost(whitened, start, (entry,), ROUNDS) - fit.cost) / dispersion
+        start = fit.model.at(np.clip(fit.model.vector + end.side * reach * along, low, high), fit.model.offsets)
+        rise = (least_cost(request.whitened, start, (entry,), ROUNDS) - fit.cost) / request.dispersion
         if reach >= room and rise < RISE:
             return room
         # the cost is about quadratic: within 15 % of the rise, the reach is within 7 %

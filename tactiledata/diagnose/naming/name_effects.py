@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tactiledata.arrays import Array
+from tactiledata.compute.base import Scheduler
 from tactiledata.compute.threads import one_thread
 from tactiledata.diagnose.naming.decide import Decision
 from tactiledata.diagnose.naming.error_sizes import (
@@ -20,7 +21,12 @@ from tactiledata.diagnose.naming.error_sizes import (
 from tactiledata.diagnose.naming.evidence import ScoredCandidate
 from tactiledata.diagnose.naming.held_out import held_out
 from tactiledata.diagnose.naming.identifiability import Identifiability, identifiability_of
-from tactiledata.diagnose.naming.intervals import ProfiledInterval, intervals
+from tactiledata.diagnose.naming.intervals import (
+    IntervalRequest,
+    ProfiledInterval,
+    intervals,
+    profiled_intervals,
+)
 from tactiledata.diagnose.naming.joint_fit import JointFit, joint_fit, plain_fit
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.naming.own_error_sizes import OddTouch, odd_touches, with_estimated_own_sizes
@@ -123,7 +129,8 @@ def name_effects(
     scored, decision = tried.refits.score_and_decide(tried.singles, pairs)
     # intervals by the curvature
     best = decision.best.fit if decision.best is not None else base
-    before, after = (intervals(whitened, fit, max(1.0, decision.left.dispersion), False) for fit in (base, best))
+    dispersion = max(1.0, decision.left.dispersion)
+    before, after = (intervals(IntervalRequest(whitened, fit, dispersion)) for fit in (base, best))
     thresholds = tried.refits.thresholds
     identifiable = identifiability_of(base.metric, tried.signatures, thresholds, tuple(not_tried), names)
     odd = odd_touches(whitened, best)
@@ -134,7 +141,9 @@ def name_effects(
     return with_profiles(naming, progress) if chosen.profile else naming
 
 
-def with_profiles(naming: NamingResult, progress: Callable[[str], None] = lambda text: None) -> NamingResult:
+def with_profiles(
+    naming: NamingResult, progress: Callable[[str], None] = lambda text: None, runner: Scheduler | None = None
+) -> NamingResult:
     """Return a result whose intervals are those of the profile of the likelihood, where an effect is claimed.
 
     The profile needs many plays: it is worth them once the answer is final. Without a claim the result is returned as
@@ -146,14 +155,16 @@ def with_profiles(naming: NamingResult, progress: Callable[[str], None] = lambda
         A result with intervals by the curvature.
     progress : callable
         Called with a word before the intervals are computed.
+    runner : Scheduler, optional
+        Where their ends are searched, each by itself; in this process where ``None``.
     """
     decision = naming.decision
     if decision.best is None or decision.objections:
         return naming
     progress("intervals")
-    before, after = (
-        intervals(naming.whitened, fit, max(1.0, decision.left.dispersion)) for fit in (naming.base, decision.best.fit)
-    )
+    dispersion = max(1.0, decision.left.dispersion)
+    asked = [IntervalRequest(naming.whitened, fit, dispersion) for fit in (naming.base, decision.best.fit)]
+    before, after = profiled_intervals(asked, runner)
     return replace(naming, intervals_before=before, intervals=after)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -62,6 +62,10 @@ class TouchPlays:
     variants: Mapping[GelVariant, Array] = field(default_factory=dict)
     estimated: NDArray[np.bool_] | None = None
     by_estimate: frozenset[GelVariant] = frozenset()
+
+    def __getstate__(self) -> dict[str, object]:
+        """Return the fields: caches are not sent to other processes."""
+        return {one.name: getattr(self, one.name) for one in fields(self)}
 
     @property
     def known(self) -> NDArray[np.bool_]:
