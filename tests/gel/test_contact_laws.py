@@ -31,7 +31,7 @@ def engine(request):
 def test_base_bears_what_the_surface_is_pressed_with():
     """Force and moment of the base's reaction balance any load to 1e-8, and patches pass on all of their force."""
     mesh = slab()
-    surface, pad = contact_surface(mesh), FactorisedPad.of(mesh, cell_quadrature(mesh), NU)
+    surface, pad = contact_surface(mesh), FactorisedPad(mesh, cell_quadrature(mesh), NU)
     np.testing.assert_allclose(surface.averaging.sum(axis=1), 1.0, rtol=1e-12)
     loads = np.zeros((1, len(mesh.vertices), 3))
     loads[0, surface.nodes] = np.random.default_rng(5).normal(size=(len(surface.nodes), 3))

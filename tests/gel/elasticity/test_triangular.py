@@ -14,7 +14,7 @@ PLAN = GridPlan(7, 9, 0.8e-3, (2.4e-3, 2.4e-3), (0.0, 0.5, 0.8, 1.0))
 @pytest.fixture(scope="module", params=[0.46, 0.495])
 def pad(request):
     mesh = structured_pad("coarse", DIGIT.gel, PLAN)
-    return FactorisedPad.of(mesh, cell_quadrature(mesh), request.param)
+    return FactorisedPad(mesh, cell_quadrature(mesh), request.param)
 
 
 def loads(pad, count):
