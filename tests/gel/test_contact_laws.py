@@ -112,6 +112,7 @@ def test_symmetry(engine):
     assert np.abs(difference).max() < 2e-3 * np.abs(one.displacement[2]).max()
 
 
+@pytest.mark.slow
 def test_youngs_modulus_scales_out(engine):
     """Twice the modulus gives bit for bit the same shapes, and twice the force."""
     soft, stiff = (pressed(engine, BALL, SHEARED, 0.6, modulus) for modulus in (0.5e6, 1.0e6))
@@ -119,6 +120,7 @@ def test_youngs_modulus_scales_out(engine):
     np.testing.assert_array_equal(2 * soft.wrench, stiff.wrench)
 
 
+@pytest.mark.slow
 def test_again_is_the_same(engine):
     """The same touch twice is the same bit for bit."""
     one, other = (pressed(engine, BALL, SHEARED, 0.6) for _ in range(2))
@@ -126,6 +128,7 @@ def test_again_is_the_same(engine):
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
 
 
+@pytest.mark.slow
 def test_company_changes_nothing(engine):
     """Trajectories in lockstep end as they do alone."""
     material = GelMaterial(1e6, NU, 0.5)

@@ -44,6 +44,7 @@ def test_any_number_of_lanes_gives_the_solutions(pad, lanes):
     assert off(pad.blocks.solve(right, lanes=lanes), expected) < 2e-5
 
 
+@pytest.mark.slow
 def test_blocks_hold_the_factor(pad):
     """Put together again, triangles and rectangles are SciPy's lower factor, and each triangle's inverse is its own."""
     blocks, lower = pad.blocks, pad.factor.L.toarray()
