@@ -3,12 +3,12 @@
     python benchmarks/first_hour.py [--cluster] [--owners .venv/owners] [--folder KEEP] [--write docs/first-hour.md]
 
 Each step is a process of its own in an empty folder, as docs/first-hour.md tells it, start of Python included. In place
-of recordings of a laboratory stand ten touches of the bundled world `concealed`, on a grid twice as coarse. Simulations
-are previews (linear). Seconds of a processor hardly feel other work on the machine; seconds on the clock do, so the
-load is printed, too. With ``--cluster`` the steps that take ``--scheduler`` are done again by two workers of a Dask
-cluster, which share that machine; their processor seconds are not those of the command and are not printed. The
-workers' start is not in these times. LeRobot's loader is looked for in ``--owners``, where `make owners` installs it;
-no other step sees that folder. How far it is, is said on standard error.
+of recordings of a laboratory stand the ten touches of the bundled world `concealed`. Simulations are previews (linear).
+Seconds of a processor hardly feel other work on the machine; seconds on the clock do, so the load is printed, too. With
+``--cluster`` the steps that take ``--scheduler`` are done again by two workers of a Dask cluster, which share that
+machine; their processor seconds are not those of the command and are not printed. The workers' start is not in these
+times. LeRobot's loader is looked for in ``--owners``, where `make owners` installs it; no other step sees that folder.
+How far it is, is said on standard error.
 """
 
 from __future__ import annotations
@@ -130,12 +130,6 @@ def cluster(folder: Path, environment: dict[str, str]) -> Iterator[str]:
             process.wait()
 
 
-def world() -> dict:
-    """The stand-in for recordings of a laboratory."""
-    found = dict(find_scenario("concealed"))
-    return {**found, "contact_pitch": 0.001, "generate": {**found["generate"], "count": 10}}
-
-
 def told(folder: Path, owners: Path | None, with_cluster: bool) -> None:
     """Do all steps in the folder, and print what each took."""
     environment = {
@@ -148,7 +142,7 @@ def told(folder: Path, owners: Path | None, with_cluster: bool) -> None:
     path = [str(owners or ""), environment.get("PYTHONPATH", "")]
     of_owners = {**environment, "PYTHONPATH": os.pathsep.join(word for word in path if word)}
     before, began = psutil.getloadavg()[2], time.perf_counter()
-    (folder / "world.yaml").write_text(yaml.safe_dump(world()), encoding="utf-8")
+    (folder / "world.yaml").write_text(yaml.safe_dump(dict(find_scenario("concealed"))), encoding="utf-8")
     rows = []
     for name, words in steps(None):
         if words == LEROBOT and owners is None:

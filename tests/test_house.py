@@ -165,6 +165,7 @@ def test_parameters_are_described():
     shrinking("undescribed parameters", found)
 
 
+@pytest.mark.slow
 def test_calls_name_their_arguments():
     """No call gives nine or more arguments by position."""
     found = []
@@ -250,6 +251,7 @@ def test_examples_in_docstrings_run(name):
     assert not tried.failed
 
 
+@pytest.mark.slow
 def test_the_picture_of_the_architecture_is_true():
     """docs/architecture.md shows the imports as they are; ``python tests/import_picture.py`` draws them anew."""
     from import_picture import PAGE, drawn_page

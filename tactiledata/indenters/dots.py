@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import trimesh
 
 from tactiledata.arrays import Array
 from tactiledata.indenters.base import ParametricIndenter
 from tactiledata.indenters.base.planar import swept_distance
 from tactiledata.indenters.base.surface import circle, lofted_faces, sealed
+
+if TYPE_CHECKING:
+    import trimesh
 
 GRID = np.array([[column, row] for row in (-1, 0, 1) for column in (-1, 0, 1)], dtype=float)
 """Places (9, 2) of the pins, in pitches."""
@@ -56,6 +59,8 @@ class Dots(ParametricIndenter):
         return np.minimum(to_pin, to_plate)
 
     def mesh(self) -> trimesh.Trimesh:
+        import trimesh
+
         cells = [self._cell().apply_translation([*(self.pitch * place), 0.0]) for place in GRID]
         under = trimesh.util.concatenate(cells)
         assert isinstance(under, trimesh.Trimesh)  # of meshes alone it is one
@@ -72,6 +77,8 @@ class Dots(ParametricIndenter):
 
     def _cell(self) -> trimesh.Trimesh:
         """Mesh of one pin and of the plate's underside around it, open at the edge of the square."""
+        import trimesh
+
         # rings of vertices from the tip up the pin, then out to the edge of the square
         polar = np.linspace(0.0, np.pi / 2, 9)[1:]
         around = circle(1.0, PIN_SECTIONS)

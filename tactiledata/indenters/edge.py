@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import trimesh
 
 from tactiledata.arrays import Array
 from tactiledata.indenters.base import ParametricIndenter
@@ -17,6 +17,9 @@ from tactiledata.indenters.base.planar import (
     swept_distance,
 )
 from tactiledata.indenters.base.surface import prism_mesh
+
+if TYPE_CHECKING:
+    import trimesh
 
 
 @dataclass(frozen=True)

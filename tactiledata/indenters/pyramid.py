@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import trimesh
 
 from tactiledata.arrays import Array
 from tactiledata.indenters.base import ParametricIndenter
+
+if TYPE_CHECKING:
+    import trimesh
 
 
 @dataclass(frozen=True)
@@ -22,6 +25,8 @@ class Pyramid(ParametricIndenter):
     length: float = 0.006
 
     def signed_distance(self, points: Array) -> Array:
+        import trimesh
+
         # in units of half the width: closest_point compares products of four lengths with an absolute tolerance
         half, top = self.width / 2, 2 * self.length / self.width
         # the body has eight mirror images of one wedge: only the flank towards +x and the base can be nearest there
@@ -37,6 +42,8 @@ class Pyramid(ParametricIndenter):
         return np.where(is_inside, -half, half) * np.minimum(to_flank, to_base)
 
     def mesh(self) -> trimesh.Trimesh:
+        import trimesh
+
         half = self.width / 2
         base = [[half, half], [-half, half], [-half, -half], [half, -half]]
         vertices = np.array([[0.0, 0.0, 0.0], *([*corner, self.length] for corner in base)])

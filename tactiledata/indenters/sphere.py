@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import trimesh
 
 from tactiledata.arrays import Array
 from tactiledata.indenters.base import ParametricIndenter
+
+if TYPE_CHECKING:
+    import trimesh
 
 
 @dataclass(frozen=True)
@@ -24,6 +27,8 @@ class Sphere(ParametricIndenter):
         return np.linalg.norm(points - [0.0, 0.0, self.radius], axis=1) - self.radius
 
     def mesh(self) -> trimesh.Trimesh:
+        import trimesh
+
         ball = trimesh.creation.icosphere(subdivisions=4, radius=self.radius)
         ball.apply_translation([0.0, 0.0, self.radius])
         return ball

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import trimesh
 
 from tactiledata.arrays import Array
 from tactiledata.indenters.base import ParametricIndenter
 from tactiledata.indenters.base.planar import radius_of
 from tactiledata.indenters.base.surface import SECTIONS, circle, revolved_mesh
+
+if TYPE_CHECKING:
+    import trimesh
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 
 from tactiledata.arrays import Array, Indices
 
@@ -64,25 +65,42 @@ def profile_offsets(measured: Array, series: OffsetSeries, starts: Indices, prio
     # the cost of a quadratic series is a quartic of the offset
     quartic = _cost(measured, series, starts, prior)
     first = _derivative(quartic)
-    second = _derivative(first)
-    cost = _at(quartic, offsets)
+    _descend(quartic, first, _derivative(first), 2.0 * prior**-2, offsets)
+    return offsets
+
+
+@njit(nogil=True, cache=True)
+def _descend(quartic: Array, first: Array, second: Array, least_curvature: float, offsets: Array) -> None:
+    """Newton's method for each trajectory at once; the ``offsets`` (t,) that it starts from are changed in place.
+
+    Parameters
+    ----------
+    quartic, first, second : (5, t), (4, t), (3, t)
+        Costs as polynomials of the offset, and their derivatives, lowest power first.
+    least_curvature : float
+        What stands for a curvature that is not above 0.
+    offsets : (t,) m
+        The start on entry, the result on return.
+    """
+    count = len(offsets)
+    cost = np.array([_at(quartic[:, place], offsets[place]) for place in range(count)])
     for _ in range(ROUNDS):
-        curvature = _at(second, offsets)
-        step = -_at(first, offsets) / np.where(curvature > 0, curvature, 2.0 * prior**-2)
-        # a step that overshoots is halved; the next round linearises anew
-        for _ in range(HALVINGS):
-            trial = np.clip(offsets + step, -FARTHEST, FARTHEST)
-            trial_cost = _at(quartic, trial)
-            is_worse = trial_cost > cost
-            if not is_worse.any():
-                break
-            step = np.where(is_worse, step / 2, step)
-        trial = np.where(is_worse, offsets, trial)
-        largest_step = np.abs(trial - offsets).max(initial=0.0)
-        offsets, cost = trial, np.where(is_worse, cost, trial_cost)
+        largest_step = 0.0
+        for place in range(count):
+            here = offsets[place]
+            curvature = _at(second[:, place], here)
+            step = -_at(first[:, place], here) / (curvature if curvature > 0 else least_curvature)
+            # a step that overshoots is halved; the next round linearises anew
+            for _ in range(HALVINGS):
+                trial = min(max(here + step, -FARTHEST), FARTHEST)
+                trial_cost = _at(quartic[:, place], trial)
+                if not trial_cost > cost[place]:
+                    offsets[place], cost[place] = trial, trial_cost
+                    largest_step = max(largest_step, abs(trial - here))
+                    break
+                step /= 2.0
         if largest_step < CLOSE:
             break
-    return offsets
 
 
 def _cost(measured: Array, series: OffsetSeries, starts: Indices, prior: float) -> Array:
@@ -109,9 +127,10 @@ def _derivative(polynomial: Array) -> Array:
     return polynomial[1:] * np.arange(1, len(polynomial))[:, None]
 
 
-def _at(polynomial: Array, place: Array) -> Array:
-    """Values (t,) of polynomials (p, t), each at its own place (t,), by Horner's scheme."""
-    value = np.zeros_like(place)
-    for coefficient in polynomial[::-1]:
-        value = value * place + coefficient
+@njit(nogil=True, cache=True)
+def _at(polynomial: Array, place: float) -> float:
+    """Value of a polynomial (p,) at a place, by Horner's scheme."""
+    value = 0.0
+    for power in range(len(polynomial) - 1, -1, -1):
+        value = value * place + polynomial[power]
     return value

@@ -23,6 +23,7 @@ def test_names_are_right_by_the_rules_of_the_proof():
     assert not is_right("pairs", frozenset(["lag", "dome"]), ("lag",))
 
 
+@pytest.mark.slow
 def test_differences_are_those_of_the_same_cases():
     """Two methods that err in the same cases do not differ at all; the interval covers a planted difference."""
     same = [True, False] * 10
@@ -35,6 +36,7 @@ def test_differences_are_those_of_the_same_cases():
     assert covered >= 88
 
 
+@pytest.mark.slow
 def test_the_table_has_our_answers_to_the_same_cases(tmp_path, capsys):
     """Six nulls and six effects, one of which ours missed: always nothing is right of the nulls alone."""
     cases = scored_cases(answered_proof(tmp_path / "proof"))

@@ -112,6 +112,7 @@ def test_offsets_that_are_not_allowed_for_bias(world):
     assert abs(search_squares(vector(world, measured, prior=0.0), PAPER, START)[0] / TRUTH[0] - 1) > 0.04
 
 
+@pytest.mark.slow
 def test_the_norm_loss_finds_the_truth_of_its_own_world(world):
     """No noise, no offsets: the paper's loss is 0 at the truth."""
     loss = NormLoss(world.response(), world.measured(noise=None))

@@ -37,6 +37,7 @@ def test_polish_finds_what_the_search_finds(loss):
     assert loss.value(polished) <= loss.value(found) * (1 + 1e-9)
 
 
+@pytest.mark.slow
 def test_the_deviance_has_risen_at_the_ends(loss):
     """Each end is where the profile has risen by the quantile, times what trajectories disagree on."""
     found = polished(loss)
@@ -51,6 +52,7 @@ def test_the_deviance_has_risen_at_the_ends(loss):
             assert rise == pytest.approx(RISE * known.inflation[k], rel=0.1)
 
 
+@pytest.mark.slow
 def test_what_intervals_hold_is_what_lies_between_their_ends(loss):
     """Without the search for the ends, the same answer a little within them and a little beyond; nu's is the box's."""
     found = polished(loss)
@@ -95,6 +97,7 @@ def test_an_interval_that_only_the_bounds_end_is_open():
     assert known.ends[2, 1] == WIDE.high[2]
 
 
+@pytest.mark.slow
 def test_the_bootstrap_is_the_same_for_a_seed():
     """One seed gives the same bootstrap intervals twice, another seed gives others; low ends lie below high ends."""
     world = ClosedFormWorld(12)

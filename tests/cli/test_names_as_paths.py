@@ -46,6 +46,7 @@ def test_names_arrive_as_they_are(workplace):
     assert len(kept) == 4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "call",
     [

@@ -125,6 +125,7 @@ def test_code_on_pages_runs(store, capsys):
         followed(capsys, printed)
 
 
+@pytest.mark.slow
 def test_a_split_that_is_out_of_date_has_its_command_on_the_page(tmp_path, capsys):
     """After more touches came, ingest and the page name a command that brings the split up to date."""
     write(tmp_path / "log", touches=3)
@@ -142,6 +143,7 @@ def test_a_split_that_is_out_of_date_has_its_command_on_the_page(tmp_path, capsy
     assert command in printed.replace("\n", " ")
 
 
+@pytest.mark.slow
 def test_a_picture_of_a_store_without_forces_claims_none(tmp_path, capsys):
     """Without forces there is no plot of forces, and nothing is said to be at the largest one; with them there is."""
     for name, spoil in (("with", without()), ("none", without("wrench.csv"))):

@@ -79,6 +79,7 @@ def test_one_stray_size_keeps_no_dataset_from_the_others(log, capsys):
     assert "images of 'D20542' have 100 rows" not in said
 
 
+@pytest.mark.slow
 def test_tables_without_a_description_are_said(log, capsys):
     """A folder log that lost its log.yaml, beside a whole one, is named and not passed over."""
     shutil.copytree(log, log.parent / "logs" / "whole")
@@ -97,6 +98,7 @@ def turned(text, place):
     return text[:place] + bytes([text[place] ^ 1]) + text[place + 1 :]
 
 
+@pytest.mark.slow
 def test_any_letter_of_a_document_that_turns_is_damage(log, capsys):
     """`check` exits 1 for each of twelve letters and digits of a document of which one bit turned, and 0 without."""
     ingested(capsys, log)

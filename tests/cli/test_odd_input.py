@@ -5,6 +5,7 @@ import os
 
 import cv2
 import numpy as np
+import pytest
 from bench import command
 
 
@@ -40,6 +41,7 @@ def test_names_do_not_steer_the_terminal(bench, capsys):
     assert name in Store.open(store).trajectories(["trajectory"])["trajectory"].to_pylist()
 
 
+@pytest.mark.slow
 def test_a_full_disk_loses_nothing(bench, capsys, monkeypatch):
     """A full disk is named in the message, the store stays as it was, and a later run completes it."""
     before = (bench.store / "manifest.json").read_bytes()

@@ -28,6 +28,7 @@ def test_output_into_a_store_is_refused(name, place, bench, capsys):
     assert content(bench.store) == before
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "arguments",
     [
@@ -49,6 +50,7 @@ def test_a_store_in_a_store_is_refused(arguments, bench, capsys):
     assert code == 0, text
 
 
+@pytest.mark.slow
 def test_output_beside_a_store_is_written(bench, capsys):
     """Negative control: a page beside the store, and a merged store beside it, are written."""
     code, text = command(capsys, "report", bench.store, "--out", bench.folder / "page")

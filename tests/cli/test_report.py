@@ -28,6 +28,7 @@ def written(tiny_store, tmp_path):
     return made
 
 
+@pytest.mark.slow
 def test_the_command_writes_the_page_with_its_picture(tiny_store, tmp_path, capsys):
     """One file that stands alone, and the picture beside it."""
     code, out, err = run_command(capsys, "report", tiny_store, "--out", tmp_path / "page", "--json")

@@ -15,6 +15,7 @@ COMMANDS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", COMMANDS)
 def test_commands_say_it_of_a_rigs_world_only(name, tiny_store, unstated, tmp_path, monkeypatch, capsys):
     """Text and JSON say it of the recordings that state it, and not of the same recordings without the statement."""
@@ -29,6 +30,7 @@ def test_commands_say_it_of_a_rigs_world_only(name, tiny_store, unstated, tmp_pa
         assert json.loads(printed)["simulated_recordings"] == counts
 
 
+@pytest.mark.slow
 def test_a_recorder_says_what_it_makes(tmp_path, capsys):
     """`record` itself says that its recordings are simulated."""
     code, printed, said = run_command(capsys, "record", "tiny", "--out", tmp_path / "logs", "--format", "folder")

@@ -103,6 +103,7 @@ def test_a_dataset_names_the_image(store):
     assert "--re" in str(caught.value)  # check --repair, or ingest --replace
 
 
+@pytest.mark.slow
 def test_repair_leaves_the_image_out(store, capsys):
     """Marked, the image is a warning and no more; the other images of the store load, and the audit is without it."""
     code, out, _ = run_command(capsys, "check", store, "--repair")

@@ -43,12 +43,14 @@ def check(outcomes):
     assert str(odd[0]) == "1 is odd; expected an even number. Add one."
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("workers", [1, 2])
 def test_local_outcomes_keep_order_and_errors(workers):
     """Results and errors come in task order, whether in this process or on others."""
     check(list(SCHEDULERS["local"](workers).outcomes(halve, range(10))))
 
 
+@pytest.mark.slow
 def test_a_slow_task_does_not_hold_up_the_others(tmp_path):
     """All tasks are begun while the first one runs, if the caller allows it; otherwise only a few are."""
     (tmp_path / "few").mkdir()
@@ -58,6 +60,7 @@ def test_a_slow_task_does_not_hold_up_the_others(tmp_path):
     assert next(iter(SCHEDULERS["local"](2).outcomes(met, tasks, len(tasks)))).result
 
 
+@pytest.mark.slow
 def test_dask_outcomes_equal_local_ones():
     """A real Dask cluster gives what local processes give."""
     distributed = pytest.importorskip("distributed")

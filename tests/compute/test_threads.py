@@ -32,6 +32,7 @@ def most_threads(size):
     return max(threads())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("workers", [1, 2])
 def test_a_task_has_one_thread(workers, monkeypatch):
     """A task has one thread, in this process and in workers; outside of tasks this process has as many as before."""

@@ -48,6 +48,7 @@ def test_what_only_a_black_box_foresees_is_structured_and_not_named():
     assert (quiet.answer, quiet.is_found) == ("nothing found", False)
 
 
+@pytest.mark.slow
 def test_a_common_offset_alone_is_headed_as_a_calibration():
     """0.5 N on every observation: a zero, and nothing is missing."""
     table = presses(3, 40)
@@ -158,6 +159,7 @@ def test_a_share_that_is_not_known_to_its_own_size_is_no_number():
     assert Change(scale, 0.11, 0.02).words == "the scale of fz rises by 11 ± 2 %"
 
 
+@pytest.mark.slow
 def test_the_printed_formula_can_be_computed_from_what_is_printed():
     """A memory of 1 s: the sentences alone, read as a stranger would, give the tool's own prediction."""
     table = presses(2, 40, 20, noise=False)

@@ -267,8 +267,8 @@ def diagnose(folder: Path) -> None:
     write_diagnosis(folder / "diagnosis", "presses", *found)
 
 
-def played_store(folder: Path) -> None:
-    """A small store; the engine is begun here, so that the forked writers need not load it, each for itself."""
+def begun_engine(folder: Path) -> None:
+    """The engine begun here, so that the forked writers need not load it, each for itself."""
     import os
     from tempfile import TemporaryDirectory
     from unittest.mock import patch
@@ -277,9 +277,14 @@ def played_store(folder: Path) -> None:
 
     from tactiledata.calibrate.plays.player import play_nodes
 
-    store_in(folder)
     with TemporaryDirectory() as cache, patch.dict(os.environ, TACTILEDATA_CACHE=cache):
         play_nodes(PAD, "linear", [press(0)], NODES[:1])
+
+
+def played_store(folder: Path) -> None:
+    """A small store, and the engine begun."""
+    store_in(folder)
+    begun_engine(folder)
 
 
 def diagnose_store(folder: Path) -> None:
@@ -383,7 +388,11 @@ WRITERS = {
     "view": Writer(imported("viewed_store", "tactiledata.view.recording", before=store_in), view, same=viewed),
     "train": Writer(imported("learner", "torch._dynamo"), train),
     "replay": Writer(nothing, replay, tiny=True),
-    "calibrate": Writer(nothing, calibrate, tiny=True),
+    "calibrate": Writer(
+        imported("tactiledata.calibrate.calibrate", "tactiledata.calibrate.document", before=begun_engine),
+        calibrate,
+        tiny=True,
+    ),
     "plant": Writer(nothing, plant, tiny=True),
     "diagnose": Writer(imported("joblib", before=presses), diagnose),
     "diagnose-store": Writer(imported(*DIAGNOSING, before=played_store), diagnose_store),

@@ -163,6 +163,7 @@ def test_looking_at_a_file_follows_no_link(tmp_path, kind):
     assert not FORMAT.sniff(tmp_path / "mine.h5")
 
 
+@pytest.mark.slow
 def test_hard_links_that_repeat_are_refused(made):
     """90,000 steps of 100 meshes each, made of a few by hard links, are refused at once."""
 
@@ -216,6 +217,7 @@ def test_numbers_that_were_never_written_are_counted(made):
         made.spoil(declare).read()
 
 
+@pytest.mark.slow
 def test_chunks_that_unpack_to_more_than_they_hold(made):
     """A deflated chunk of 12 x 20 bytes of numbers that unpacks to 300 MB is not unpacked, and told."""
     bomb = zlib.compress(bytes(300_000_000), 9)

@@ -31,7 +31,7 @@ def engine(request):
 def test_base_bears_what_the_surface_is_pressed_with():
     """Force and moment of the base's reaction balance any load to 1e-8, and patches pass on all of their force."""
     mesh = slab()
-    surface, pad = contact_surface(mesh), FactorisedPad.of(mesh, cell_quadrature(mesh), NU)
+    surface, pad = contact_surface(mesh), FactorisedPad(mesh, cell_quadrature(mesh), NU)
     np.testing.assert_allclose(surface.averaging.sum(axis=1), 1.0, rtol=1e-12)
     loads = np.zeros((1, len(mesh.vertices), 3))
     loads[0, surface.nodes] = np.random.default_rng(5).normal(size=(len(surface.nodes), 3))
@@ -112,6 +112,7 @@ def test_symmetry(engine):
     assert np.abs(difference).max() < 2e-3 * np.abs(one.displacement[2]).max()
 
 
+@pytest.mark.slow
 def test_youngs_modulus_scales_out(engine):
     """Twice the modulus gives bit for bit the same shapes, and twice the force."""
     soft, stiff = (pressed(engine, BALL, SHEARED, 0.6, modulus) for modulus in (0.5e6, 1.0e6))
@@ -119,6 +120,7 @@ def test_youngs_modulus_scales_out(engine):
     np.testing.assert_array_equal(2 * soft.wrench, stiff.wrench)
 
 
+@pytest.mark.slow
 def test_again_is_the_same(engine):
     """The same touch twice is the same bit for bit."""
     one, other = (pressed(engine, BALL, SHEARED, 0.6) for _ in range(2))
@@ -126,6 +128,7 @@ def test_again_is_the_same(engine):
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
 
 
+@pytest.mark.slow
 def test_company_changes_nothing(engine):
     """Trajectories in lockstep end as they do alone."""
     material = GelMaterial(1e6, NU, 0.5)

@@ -142,6 +142,7 @@ def _obstruct(monkeypatch):
     monkeypatch.setattr(TangentStep, "iterate", iterate_or_fail)
 
 
+@pytest.mark.slow
 def test_a_touch_goes_on_after_a_failure(soft, monkeypatch):
     """No frame is lost where a path is interrupted; frames say so up to the next air, and forces are soon the same.
 

@@ -85,6 +85,7 @@ def test_another_mapping_for_a_recording_that_is_there_is_said(tiny_mcaps, tiny_
     assert manifest(store) == manifest(tiny_store)
 
 
+@pytest.mark.slow
 def test_appending_equals_ingesting_at_once(tiny_mcaps, tiny_store, tmp_path):
     """One source after the other gives the rows that both at once give."""
     for log in tiny_mcaps:
@@ -141,6 +142,7 @@ def test_killed_at_any_moment_it_goes_on(tiny_mcaps, tiny_store, tmp_path):
     assert kills >= 20
 
 
+@pytest.mark.slow
 def test_two_ingests_do_not_sweep_away_each_other(tiny_mcaps, tmp_path):
     """While one ingest stages takes, another is turned away with the process to wait for."""
     store = tmp_path / "ds.zarr"
@@ -150,6 +152,7 @@ def test_two_ingests_do_not_sweep_away_each_other(tiny_mcaps, tmp_path):
     assert ingest(tiny_mcaps, store).sources[0].state == "added"
 
 
+@pytest.mark.slow
 def test_a_damaged_recording_is_kept_as_far_as_it_goes(tiny_mcaps, tmp_path):
     """A file cut at 60 % gives what is whole, says what was lost, and the other recording comes in untouched."""
     cut = tmp_path / "cut.mcap"

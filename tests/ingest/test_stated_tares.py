@@ -125,6 +125,7 @@ def test_forces_are_right_wherever_the_sensor_was_tared(place, named):
     assert world.error(ALL, named) < WITHIN
 
 
+@pytest.mark.slow
 @few(60)
 @example(0, 2, 4.0, "while pressing", 0.0, 6.0, 1.0, False, set())
 @given(
@@ -148,6 +149,7 @@ def test_the_truth_never_makes_forces_worse(seed, touches, dwell, place, drift, 
     assert whole < world.error(sorted(kept)) + 0.05
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("true", [[], [0.1]])
 @pytest.mark.parametrize("count", [5, 50, 300, 970])
 def test_tares_that_never_were_are_said_and_move_no_force(count, true):

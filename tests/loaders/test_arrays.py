@@ -25,6 +25,7 @@ def place(tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow
 def test_importing_loaders_imports_no_torch():
     """`tactiledata.loaders` and its numpy half work where torch is not installed."""
     code = (

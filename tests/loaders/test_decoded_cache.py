@@ -232,6 +232,7 @@ def _fill_for_ever(place, cache):
             os.truncate(path, 0)
 
 
+@pytest.mark.slow
 def test_killed_while_it_writes_it_goes_on(place, tmp_path):
     """Killed at any moment, what is left gives the right pictures, without a warning, and is filled up."""
     context = multiprocessing.get_context("fork")

@@ -90,6 +90,7 @@ def test_train_has_mean_zero_and_others_take_its_scale(place):
     )
 
 
+@pytest.mark.slow
 def test_values_outside_train_change_nothing(tmp_path, monkeypatch):
     """Wild values in val and test leave the normaliser as it is (negative control: in train they change it)."""
     made.split_store(tmp_path / "a.zarr")

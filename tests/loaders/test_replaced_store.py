@@ -33,6 +33,7 @@ def test_another_process_after_an_append_reads_the_same(place, tiny_mcaps):
     assert np.array_equal(pickle.loads(pickle.dumps(dataset))[0]["contact_wrench"], before)
 
 
+@pytest.mark.slow
 def test_another_process_after_a_replacement_says_so(place, tiny_mcaps, tmp_path):
     """Rows mean something else then, in the replaced store and in another one put in its place: an error, no items."""
     dataset = TactileArrays(place, split="default/train", streams=STREAMS)

@@ -45,6 +45,7 @@ def negated(item):
     return {**item, "wrench": -item["wrench"]}
 
 
+@pytest.mark.slow
 def test_tensors_are_the_arrays(place):
     """Pictures are channels first and in [0, 1], or bytes; all else is what the arrays hold."""
     arrays = TactileArrays(place, "default/train", STREAMS)
@@ -168,6 +169,7 @@ def test_pickled_it_is_the_same(place):
     assert abs(float(collate(dataset.__getitems__(range(len(dataset))))["digit"].mean())) < 1e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("num_workers", [0, 2])
 def test_interrupted_and_resumed_training_sees_the_same(place, num_workers):
     """Killed at any batch and resumed from the loader's state, two epochs are those of an uninterrupted run."""

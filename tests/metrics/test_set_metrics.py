@@ -163,6 +163,7 @@ class TestGramStyle:
         assert set(style.GRAM_STYLE.scores) == {"gram_style", "gram_style_random"}
         assert "random" in style.GRAM_STYLE.scores["gram_style_random"].title
 
+    @pytest.mark.slow
     def test_official_names_of_the_weights(self, style, tmp_path):
         """A file with torchvision's keys is taken; one that only bears the name, or is no such file, is refused."""
         import torch

@@ -89,6 +89,7 @@ def test_a_ball_on_a_thick_pad_presses_as_hertz_says():
     assert np.abs(state.wrench[:2]).max() < 1e-3 * hertz
 
 
+@pytest.mark.slow
 def test_a_box_that_slides_pulls_with_its_friction():
     """Shear never exceeds friction times the normal force, and has that size and way once all slides."""
     friction, way = 0.3, np.array([0.6, 0.8])
@@ -101,6 +102,7 @@ def test_a_box_that_slides_pulls_with_its_friction():
     assert states[-1].wrench[:2] == pytest.approx(-friction * states[-1].wrench[2] * way, rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_lifted_body_leaves_nothing_behind():
     """After a press, a slide and a lift the pad is as flat as before, and pulls at nothing."""
     states = pressed("sphere", {"radius": 3e-3}, [(0, 0, -0.15), (0.1, 0, -0.15), (0.1, 0, 0.02)], 0.6, 0.4)
@@ -109,6 +111,7 @@ def test_a_lifted_body_leaves_nothing_behind():
     assert np.abs(states[-1].displacements).max() < 1e-3 * np.abs(states[1].displacements).max()
 
 
+@pytest.mark.slow
 def test_a_reversal_turns_the_shear():
     """A body that comes back by the way it went pulls the other way before it is where it began."""
     places = [(0, 0, -0.3), (0.1, 0, -0.3), (0.25, 0, -0.3), (0.4, 0, -0.3), (0.3, 0, -0.3), (0.15, 0, -0.3)]
@@ -125,6 +128,7 @@ def tilted(angles):
     return np.asarray(turn)
 
 
+@pytest.mark.slow
 def test_a_mirrored_touch_has_the_mirrored_wrench():
     """Mirrored in the plane x = 0, a tilted punch that slides gives forces and torques that are mirrored."""
     tips = np.array([(0.5, 0.3, -0.1), (0.5, 0.3, -0.2), (0.6, 0.35, -0.2)])
@@ -159,6 +163,7 @@ def test_a_way_is_solved_at_its_corners_and_in_between():
     assert len(solved_moments(travel, 2.0)) > len(rows)
 
 
+@pytest.mark.slow
 def test_forces_between_solved_moments_follow_the_way():
     """Along a whole touch: nothing in the air, rising while pressed, constant at rest, shear against the way."""
     travel = travel_of([(0, 0, -0.3), (0, 0, 0.2), (0.1, 0, 0.2), (0.1, 0, -0.3)])

@@ -160,6 +160,7 @@ def test_chance_plants_everything_and_nothing():
             assert plant.low * 0.99 <= one.size <= plant.high * 1.01
 
 
+@pytest.mark.slow
 def test_the_command_plants_and_goes_on(store, tmp_path):
     """The command writes copy, seal and label; run again it goes on with them; other options are refused."""
     copy = tmp_path / "blind.zarr"

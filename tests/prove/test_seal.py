@@ -182,6 +182,7 @@ def test_files_that_are_no_documents_are_refused(proof, content):
             continue
 
 
+@pytest.mark.slow
 def test_the_command_exits_with_1_where_something_does_not_fit(proof):
     """`prove --verify` prints what does not fit and exits with 1; a whole proof gives 0."""
     from typer.testing import CliRunner
@@ -218,6 +219,7 @@ def test_answers_of_two_machines_are_compared_case_by_case(proof, tmp_path):
     assert low < 10 / 12 < high
 
 
+@pytest.mark.slow
 def test_the_command_compares_answers_and_refuses_another_proof(whole, proof, tmp_path, capsys):
     """Differences are printed, as JSON too; folders of two proofs, or without answers, are not compared."""
     name = a_name(proof)
@@ -275,6 +277,7 @@ def test_a_merkle_root_depends_on_every_leaf():
             assert merkle_root([*leaves[1:], leaves[0]]) != root
 
 
+@pytest.mark.slow
 def test_sealed_cases_tell_nothing_by_their_files(tmp_path, monkeypatch):
     """A classifier stays at chance on names, sizes, stamps and order, and finds a leak that was planted.
 
@@ -289,6 +292,7 @@ def test_sealed_cases_tell_nothing_by_their_files(tmp_path, monkeypatch):
     assert leaking.accuracy > 0.9
 
 
+@pytest.mark.slow
 def test_a_leak_in_many_facts_is_found():
     """One telling fact among twenty is found; without it, nothing is."""
     chance = np.random.default_rng(1)

@@ -56,6 +56,7 @@ def test_of_several_meshes_one_must_be_named(replayed, tmp_path):
     assert data[0]["mesh/coarse"].shape == (sizes["vertices"], 3)
 
 
+@pytest.mark.slow
 def test_frames_without_a_mesh_are_counted_and_dropped(tiny_mcaps, tmp_path):
     """Those that were not replayed yet are NaN with a warning, or no items."""
     from tactiledata.ingest.pipeline import ingest

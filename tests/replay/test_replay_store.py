@@ -63,6 +63,7 @@ def test_simulated_forces_follow_the_measured_ones(replayed):
     assert (np.sign(measured[sheared, 0]) == np.sign(simulated[sheared, 0])).all()
 
 
+@pytest.mark.slow
 def test_a_whole_store_checks_and_damage_shows(replayed, tmp_path):
     """No findings on a whole mesh; a chunk that is gone, and one that is changed, are found."""
     assert check(replayed) == []

@@ -92,6 +92,7 @@ def test_panels_hold_all_that_is_drawn():
         assert not alpha[:, -1].any()
 
 
+@pytest.mark.slow
 def test_photographs_keep_their_colours_on_a_dark_page():
     """The photographs of a touch are one opaque panel each, their words grey; nothing has a background."""
     figure = FIGURES["recorded"]()

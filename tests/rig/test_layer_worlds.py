@@ -80,6 +80,7 @@ def test_force_begins_and_ends_with_contact(layer):
     assert (np.diff(force[down]) >= -1e-9).all()
 
 
+@pytest.mark.slow
 def test_a_press_stops_at_the_limit_of_force(layer):
     """A punch that may press with 3 N stops there, though 0.4 mm were asked for."""
     contact = touch_layer(setup_of(PRESS, shape="cylinder_flat", force_limit=3.0), layer)
@@ -102,6 +103,7 @@ def test_the_picture_shows_the_indenter_in_the_gel(layer):
     assert not contact.surface(0.1).any()
 
 
+@pytest.mark.slow
 def test_friction_drags_the_picture(layer):
     """After a shear along x the surface before the ball stands higher than behind it."""
     setup = setup_of(PRESS, Step("shear", by=(3e-4, 0.0), settle=0.05))

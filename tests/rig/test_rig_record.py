@@ -61,6 +61,7 @@ def files_below(folder):
     return sorted(path.relative_to(folder) for path in folder.rglob("*") if path.is_file())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", ["mcap", "folder"])
 def test_the_same_scenario_gives_the_same_bytes(tmp_path, form):
     """Recorded twice, every file is equal, truth included; recording over it changes nothing."""
@@ -227,6 +228,7 @@ def test_planted_faults_of_images(tmp_path):
     assert len(list((folder / "frames").iterdir())) == (~lost).sum()
 
 
+@pytest.mark.slow
 def test_planted_faults_of_streams(tmp_path):
     """Planted are NaN in the wrench, messages out of order and repeated values."""
     faults = {"nan_wrench": 0.1, "out_of_order": 0.05}

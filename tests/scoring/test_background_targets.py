@@ -69,6 +69,7 @@ def test_outside_is_what_no_contact_reaches():
     assert outside.sum() > 320 * 240 - 21 * 21
 
 
+@pytest.mark.slow
 def test_scores_are_of_what_lies_outside_the_contact(both):
     """A swap to the target is the target outside the contact but for noise; the sources are not."""
     target = find_target("ycb-sensorB", both)
@@ -120,6 +121,7 @@ def test_sets_without_a_background_are_named(tiny_store, tmp_path):
         list(score_backgrounds(store, scores, sets[:1], [target]))
 
 
+@pytest.mark.slow
 def test_the_command_says_what_it_cannot(both, capsys):
     """A target known by its picture is scored, in words and in JSON; what is no sensor stays refused."""
     typed = ("score", both.location, "--metric", "histogram_intersection", "--frames", "5", "--against")

@@ -80,6 +80,7 @@ def test_a_store_without_children_is_answered(tiny_store, capsys):
     assert "tactiledata transfer" in out
 
 
+@pytest.mark.slow
 def test_the_command_shows_what_is_kept_beside_any_metric(folder, capsys):
     """Three rows for each synthetic set stand in words and in JSON, and alone where only they are asked for."""
     typed = ("score", str(folder / "both.zarr"), "--frames", "6", "--metric")

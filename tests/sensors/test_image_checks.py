@@ -143,6 +143,7 @@ def test_weak_contact_is_seen_on_every_unit(backgrounds, filled_in):
         assert shows_contact(as_recorded(touched, rng), image).is_contact
 
 
+@pytest.mark.slow
 def test_untouched_pictures_show_no_contact(backgrounds):
     """Noise, JPEG, a shift by a pixel and a changed brightness are no contact."""
     rng = np.random.default_rng(4)

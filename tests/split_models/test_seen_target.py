@@ -69,6 +69,7 @@ def test_a_model_that_does_not_say_is_no_unseen_one():
     assert target_findings(target, STORE, ["D1"], None) == []
 
 
+@pytest.mark.slow
 def test_the_command_says_it(short_store, tmp_path, monkeypatch, capsys):
     """The verb prints the warning, and its document has it; to ycb-sensorA it has none to give."""
     copy_tree(short_store, tmp_path / "ds.zarr")

@@ -142,6 +142,7 @@ def small_store(folder, *seeds):
     return folder
 
 
+@pytest.mark.slow
 def test_merged_flags_come_along(tmp_path):
     """What is flagged in a source is flagged in the merged store, before its recordings are there; the target's own
     reason stays; merging again is no change.

@@ -42,6 +42,7 @@ def assert_same(one: Store, other: Store) -> None:
     assert one.sensors() == other.sensors()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("left", "right"), [([1, 2], [3, 4]), ([5], []), ([6, 7, 8], [8, 6, 9])])
 def test_merge_is_ingest_of_both(tmp_path: Path, left: list[int], right: list[int]) -> None:
     """merge(A, B) equals the store into which all recordings of A, then of B, were ingested; doubles count once."""
@@ -61,6 +62,7 @@ def test_merge_again_changes_nothing(tmp_path: Path) -> None:
     assert (tmp_path / "ab/manifest.json").read_bytes() == before
 
 
+@pytest.mark.slow
 def test_merge_keeps_signals_of_other_frames_apart(tmp_path: Path) -> None:
     """Wrenches in different frames are not one signal; merging says so, as ingesting both does."""
     stores = [made(tmp_path / "a", [1, 2]), made(tmp_path / "b", [3, 4], frame="tool0")]
@@ -82,6 +84,7 @@ def test_merge_says_sensor_conflicts(tmp_path: Path) -> None:
     assert Store.open(tmp_path / "ab").sensors() == {"D1": {"model": "digit"}}
 
 
+@pytest.mark.slow
 def test_merge_moves_parents(tmp_path: Path) -> None:
     """Frames derived from others point to their parents' new rows."""
     from random_takes import Spool, random_take, stage, staging_folder
@@ -109,6 +112,7 @@ def random_take_digest(seed: int) -> str:
     return hashlib.sha256(f"source {seed}".encode()).hexdigest()
 
 
+@pytest.mark.slow
 def test_merge_refuses_damaged_images_until_marked(tmp_path: Path) -> None:
     """A damaged image stops a merge with its row; marked as broken it goes along."""
     folder = made(tmp_path / "a", [1, 2, 3])
@@ -170,6 +174,7 @@ def taken_by(folder: Path, settings: str) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_merge_says_what_was_ingested_otherwise(tmp_path: Path) -> None:
     """One recording taken with two mappings: the first stays, and a warning names the other; equal ones give none."""
     first, other, same = (

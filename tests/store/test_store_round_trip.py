@@ -126,6 +126,7 @@ def test_random_takes_come_back(groups: list[list[int]], sizes: Settings) -> Non
         assert_holds(store, [seed for group in groups for seed in group])
 
 
+@pytest.mark.slow
 @settings(max_examples=2, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(grouped_seeds())
 def test_content_does_not_depend_on_groups(groups: list[list[int]]) -> None:
@@ -138,6 +139,7 @@ def test_content_does_not_depend_on_groups(groups: list[list[int]]) -> None:
             assert getattr(one, table)().to_pylist() == getattr(many, table)().to_pylist()
 
 
+@pytest.mark.slow
 def test_digest_depends_on_content_and_order(tmp_path: Path) -> None:
     """Other takes, or the same in another order, are another store."""
     digests = [filled(tmp_path / str(index), [group]).digest for index, group in enumerate([[1, 2], [2, 1], [1, 3]])]

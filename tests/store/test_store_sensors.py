@@ -65,6 +65,7 @@ def test_a_picture_by_hand_outlasts_a_replaced_recording(store: Path, picture: P
     assert (Store.open(store).reference(serial).image == 77).all()
 
 
+@pytest.mark.slow
 def test_what_was_added_wrongly_is_removed(store: Path, picture: Path, tiny_mcaps: list[Path]) -> None:
     """A sensor that only a hand named goes wholly; of one that recordings name, the picture goes, and can come back."""
     before = Store.open(store)

@@ -27,6 +27,7 @@ def unmarked(store):
     return [finding for finding in check(store) if finding.code == "store-unmarked-size"]
 
 
+@pytest.mark.slow
 def test_marks_that_are_missing_are_said_and_come_with_replace(log, tmp_path, monkeypatch):
     """The store of before is whole with a warning; the command that the warning names takes it away."""
     place = tmp_path / "ds.zarr"
@@ -43,6 +44,7 @@ def test_marks_that_are_missing_are_said_and_come_with_replace(log, tmp_path, mo
     assert unmarked(place) == []
 
 
+@pytest.mark.slow
 def test_marked_and_even_sizes_are_not_named(log, tiny_store, tmp_path):
     """Negative control: a store of today, with a stray or without one, has nothing to say."""
     ingest([log], tmp_path / "ds.zarr")

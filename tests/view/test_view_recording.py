@@ -60,6 +60,7 @@ def touches(store):
     return store.trajectories().to_pylist()
 
 
+@pytest.mark.slow
 def test_every_trajectory_is_there_once(seen):
     """A recording for each trajectory of the store, named by it, with the store's digest and the start of its clock."""
     views, report, store = seen

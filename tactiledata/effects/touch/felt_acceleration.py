@@ -5,7 +5,6 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-from scipy.signal import cont2discrete, lfilter
 
 from tactiledata.arrays import Array
 
@@ -50,6 +49,8 @@ def felt_accelerations(frames: Array, seconds: Array, places: Array) -> Array:
 
 def _felt_without_gap(frames: Array, seconds: Array, places: Array) -> Array:
     """Accelerations (n, f, 3), m/s^2, for positions without gaps that start before the frames and end near them."""
+    from scipy.signal import lfilter
+
     felt = np.zeros((len(frames), len(FREQUENCIES), 3))
     even = np.arange(seconds[0], max(seconds[-1], frames.max()) + 2.0 / RATE, 1.0 / RATE)
     way = np.stack([np.interp(even, seconds, column) for column in (places - places[0]).T], axis=1)
@@ -71,6 +72,8 @@ def felt_at(felt: Array, frequency: float) -> Array:
 @cache
 def _mode(frequency: float) -> tuple[Array, Array]:
     """Numerator and denominator of the filter w^2 s^2 / (s^2 + 2 d w s + w^2), w = 2 pi frequency, at ``RATE``."""
+    from scipy.signal import cont2discrete
+
     w = 2.0 * np.pi * frequency
     top, bottom, _ = cont2discrete(([w * w, 0.0, 0.0], [1.0, 2.0 * DAMPING * w, w * w]), 1.0 / RATE, method="foh")
     return np.ravel(top), np.ravel(bottom)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
 
 from tactiledata.arrays import Array
 from tactiledata.effects.touch.response import GelVariant
@@ -43,6 +42,8 @@ def variant_engine(mesh: PadMesh, poisson_ratio: float, fidelity: Fidelity, vari
 
 def surface_height(mesh: PadMesh, places: Array) -> Array:
     """Height (n,), m, of the undeformed outer surface at places (n, 2), m; gel frame."""
+    from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
+
     nodes = np.unique(mesh.faces)
     points = mesh.vertices[nodes]
     # of nodes above one another, on the pad's sides, only the uppermost belongs to the surface seen from above

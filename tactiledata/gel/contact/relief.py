@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,8 @@ REACH = 3e-3
 """Height above the tip, m, beyond which a body never touches: no gel is pressed deeper than its thickness."""
 WIDEST = 15e-3
 """Largest distance from the tip along x and y, m, that is mapped: it is beyond the largest pad."""
+KEPT = 16
+"""Reliefs that are kept for the next engine that presses the same indenter: more than the indenters of most stores."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +42,7 @@ class IndenterRelief:
     covered: NDArray[np.bool_]
 
 
+@lru_cache(KEPT)
 def indenter_relief(indenter: Indenter) -> IndenterRelief:
     """Return the height map of an indenter's underside.
 

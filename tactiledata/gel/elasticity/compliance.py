@@ -27,6 +27,8 @@ from tactiledata.gel.mesh.surface import ContactSurface
 
 BATCH = 96
 """Right-hand sides solved at once: the factor is read from memory once for all of them."""
+WIDE = 24
+"""Unit loads that are solved together; more are hardly faster, and would leave threads without any."""
 LAYOUT = 3
 """Version of the cached files' layout; raising it makes new files."""
 
@@ -35,46 +37,39 @@ LAYOUT = 3
 class FactorisedPad:
     """Linear stiffness of a pad with Young's modulus 1, factorised for its free degrees of freedom.
 
+    It is assembled and factorised when it is first asked for: what is read from the cache needs neither.
+
     Parameters
     ----------
     mesh : PadMesh
         Mesh of v nodes.
+    quadrature : CellQuadrature
+        Its weights carry factors on the cells' modulus.
     poisson_ratio : float
         Below 0.5.
-    stiffness : (3 v, 3 v) m
-        Stiffness of all degrees of freedom.
-    factor : SuperLU
-        Factor of the part that is not held.
-    digest : str
-        Hash of the mesh and of the cells' relative stiffness.
     """
 
     mesh: PadMesh
+    quadrature: CellQuadrature
     poisson_ratio: float
-    stiffness: csr_array
-    factor: SuperLU
-    digest: str
 
-    @staticmethod
-    def of(mesh: PadMesh, quadrature: CellQuadrature, poisson_ratio: float) -> FactorisedPad:
-        """Assemble and factorise the stiffness of a pad, in the ordering for symmetric matrices.
+    @cached_property
+    def stiffness(self) -> csr_array:
+        """Stiffness (3 v, 3 v), m, of all degrees of freedom."""
+        return linear_stiffness(self.mesh, self.quadrature, self.poisson_ratio)
 
-        Parameters
-        ----------
-        mesh : PadMesh
-            Nodes, cells and base.
-        quadrature : CellQuadrature
-            Its weights carry factors on the cells' modulus.
-        poisson_ratio : float
-            Below 0.5.
-        """
-        stiffness = linear_stiffness(mesh, quadrature, poisson_ratio)
-        free = mesh.free
-        reduced = csc_array(stiffness[free][:, free])
-        factor = splu(reduced, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-        weights = np.ascontiguousarray(quadrature.weights).tobytes()
-        digest = hashlib.sha256(mesh.digest.encode() + weights).hexdigest()
-        return FactorisedPad(mesh, poisson_ratio, stiffness, factor, digest)
+    @cached_property
+    def factor(self) -> SuperLU:
+        """Factor of the part that is not held, in the ordering for symmetric matrices."""
+        free = self.mesh.free
+        reduced = csc_array(self.stiffness[free][:, free])
+        return splu(reduced, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+
+    @cached_property
+    def digest(self) -> str:
+        """Hash of the mesh and of the cells' relative stiffness."""
+        weights = np.ascontiguousarray(self.quadrature.weights).tobytes()
+        return hashlib.sha256(self.mesh.digest.encode() + weights).hexdigest()
 
     def solve(self, forces: Array) -> Array:
         """Displacements (b, v, 3), m, under nodal forces (b, v, 3), m^2 (N over Young's modulus)."""
@@ -169,7 +164,7 @@ def _solve_response(pad: FactorisedPad, surface: ContactSurface) -> NDArray[np.f
                     is_free = load_rows >= 0
                     loads[3 * place + axis, load_rows[is_free]] = spread.data[entries][is_free]
             # single precision is enough: the response is stored so, and the compliance is made symmetric from it
-            displacement = pad.blocks.solve(loads, threads)
+            displacement = pad.blocks.solve(loads, threads, WIDE)
             response[:, 3 * start : 3 * start + len(loads)] = np.where(
                 surface_rows[:, None] >= 0, displacement.T[surface_rows], 0.0
             )

@@ -219,6 +219,9 @@ def _solve(
     for block in range(blocks):
         first, end = starts[block], starts[block + 1]
         width, height = end - first, row_starts[block + 1] - row_starts[block]
+        # unit loads leave most of the first blocks without any
+        if not np.any(values[first:end]):
+            continue
         block_values = block_space[:width]
         np.dot(
             corners[corner_starts[block] : corner_starts[block + 1]].reshape(width, width),

@@ -77,7 +77,7 @@ class FemEngine:
         if modulus is not None:
             quadrature = quadrature.stiffened(modulus)
         self.surface = contact_surface(mesh)
-        self._pad = FactorisedPad.of(mesh, quadrature, poisson_ratio)
+        self._pad = FactorisedPad(mesh, quadrature, poisson_ratio)
         self._elastic = ElasticPad.of(mesh, quadrature)
         self._response = surface_response(self._pad, self.surface)
         self._compliance = patch_compliance(self._response, self.surface)

@@ -13,13 +13,15 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, fields
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 
 from tactiledata.errors import UsageError
+
+if TYPE_CHECKING:
+    import trimesh
 
 LARGEST_PART = 0.2
 """Largest plausible size of an indenter, m: ten times the gel. A larger one was stated in another unit."""

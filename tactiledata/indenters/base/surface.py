@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-import trimesh
 from numpy.typing import ArrayLike, NDArray
 
 from tactiledata.errors import UsageError
+
+if TYPE_CHECKING:
+    import trimesh
 
 SECTIONS = 128
 """Segments of a full turn in meshes: chords are off the circle by 0.03 % of its radius."""
@@ -14,6 +18,8 @@ SECTIONS = 128
 
 def sealed(vertices: ArrayLike, faces: ArrayLike) -> trimesh.Trimesh:
     """Return the mesh of vertices (v, 3), m, and faces (f, 3), normals outward; refuse a surface that is not closed."""
+    import trimesh
+
     mesh = trimesh.Trimesh(np.asarray(vertices, dtype=float), np.asarray(faces), process=False)
     if mesh.volume < 0:
         mesh.invert()

@@ -11,8 +11,8 @@ import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
-from scipy.stats import rankdata
 
 from tactiledata.contract.records import Finding
 from tactiledata.contract.take import Take
@@ -144,10 +144,10 @@ def _correlations(
     usable = np.isfinite(force)
     origin = force_t_ns[0]
     knots, values = (force_t_ns[usable] - origin).astype(float), force[usable]
-    ranks = rankdata(change)
+    ranks = pd.Series(change).rank()
     result = []
     for lag in LAGS:
         shifted = np.interp((times - lag - origin).astype(float), knots, values)
         with np.errstate(invalid="ignore", divide="ignore"):
-            result.append(np.corrcoef(ranks, rankdata(shifted))[0, 1])
+            result.append(np.corrcoef(ranks, pd.Series(shifted).rank())[0, 1])
     return np.array(result)

@@ -217,6 +217,7 @@ def test_what_a_refit_takes_whole_resembles_nothing():
     assert [(one.name, one.cosine) for one in found] == [("same", pytest.approx(1.0)), ("imitated", 0.0)]
 
 
+@pytest.mark.slow
 def test_held_out_trajectories_fit_better_with_a_true_term_and_no_worse_without():
     """Most of the gap closes where a term was planted; nothing moves where none was."""
     world = planted(4, 60, plant=modulus_over("depth", 0.6, 0.2, 1.0), random_effects=False)

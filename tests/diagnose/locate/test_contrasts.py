@@ -33,12 +33,14 @@ def offset_at_cone(world, deeper=0.15):
     return slope_of(world, "offset") * deeper * (world.labels["indenter"] == "cone")[:, None]
 
 
+@pytest.mark.slow
 def test_white_noise_is_no_contrast():
     """A contrast is found in at most 5 % and three standard errors of 60 nulls."""
     alarms = [contrasts(project(white(seed)), EXACT)[0].p <= 0.05 for seed in range(60)]
     assert np.mean(alarms) <= 0.05 + 3 * np.sqrt(0.05 * 0.95 / 60)
 
 
+@pytest.mark.slow
 def test_noise_with_memory_is_none_if_its_memory_is_told():
     """An AR(1) of 0.5 triples the variance of sums; where that is kept back, a quarter of nulls alarms."""
     worlds = [project(white(seed, correlation=0.5)) for seed in range(30)]
@@ -155,6 +157,7 @@ def test_a_way_is_no_parameter_in_the_document():
     assert "parameter" not in rows[0]
 
 
+@pytest.mark.slow
 def test_locate_asks_them_only_where_errors_and_noise_are_known():
     """A table tells neither."""
     world = white(1, plant=modulus_at_ball)

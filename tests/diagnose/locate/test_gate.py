@@ -13,6 +13,7 @@ def plain(seed, **options):
     return planted(seed, 20, 10, heavy=False, random_effects=False, **options)
 
 
+@pytest.mark.slow
 def test_noise_alone_passes():
     """5 % alarms where the noise model is right."""
     answers = [gate(project(plain(seed)), NoiseModel(0.5), seed, 99).is_passed for seed in range(60)]

@@ -121,6 +121,7 @@ def test_what_goes_with_the_slide_shows_though_trajectories_slide_to_all_sides()
     assert first.p <= 0.01
 
 
+@pytest.mark.slow
 def test_event_locked_false_alarms(nulls):
     """False alarms stay at 5 % over all events and components."""
     smallest = [
@@ -327,6 +328,7 @@ def test_a_common_offset_is_a_calibration():
     assert abs(first.change.value - 60) < first.change.half_width * 1.5
 
 
+@pytest.mark.slow
 def test_offset_false_alarms(nulls):
     """False alarms stay at 5 % over all parameters."""
     smallest = [offsets(world, seed, draws=199)[0].p for seed, (world, _) in enumerate(nulls)]

@@ -55,6 +55,7 @@ def test_errors_of_the_usual_size_are_no_larger():
     assert all(1.0 / FACTOR < size < FACTOR for size in found.values())
 
 
+@pytest.mark.slow
 def test_no_size_is_beyond_the_bounds():
     """Errors that no solver of the same gel has are not explained by a size of their own."""
     found = estimated(dict.fromkeys(FAMILIES, 30.0))

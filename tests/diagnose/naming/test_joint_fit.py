@@ -32,6 +32,7 @@ def fitting():
     return fit
 
 
+@pytest.mark.slow
 def test_what_is_far_behind_is_left(fitting):
     """Another explanation that costs much less than this one ever will."""
     start = effect("relaxation", share=0.1, time=0.5)
@@ -41,6 +42,7 @@ def test_what_is_far_behind_is_left(fitting):
     assert left.cost > whole.cost
 
 
+@pytest.mark.slow
 def test_the_wrong_effect_is_as_far_behind_whether_it_is_left_or_not(fitting):
     """A yielding arm in place of the relaxing gel is as far behind, whether it is left or not."""
     wrong = effect("arm_compliance", translation=1e-5)
@@ -50,6 +52,7 @@ def test_the_wrong_effect_is_as_far_behind_whether_it_is_left_or_not(fitting):
     assert left.cost >= whole.cost > best.cost + module.BEHIND
 
 
+@pytest.mark.slow
 def test_what_is_near_or_may_come_near_is_led_to_its_end(fitting):
     """A fit that is near, or may come near, is led to its end, also if a round stalls on the way."""
     start = effect("relaxation", share=0.1, time=0.5)

@@ -178,11 +178,14 @@ def test_too_little_is_refused(quiet):
 LIKE_A_SOLVER = ("arm_compliance", "thickness")
 """Planted effects that errors of the simulation of two per cent resemble: under balls alone they cannot be told."""
 
+PLAIN = ("relaxation", "rate_friction", "frame_rotation", "lag")
+"""Planted effects that are named from 24 trajectories, with probabilities of 0.88 to 0.98."""
+
 
 @pytest.mark.parametrize("name", PLANTS)
 def test_planted_effects_are_named_or_in_the_set(name):
     """Each planted effect, in formulas of the rig's own, with the whole catalogue to choose from; none gets another."""
-    found = answer(world_cases(PLANTS[name], 0), effects=None)
+    found = answer(world_cases(PLANTS[name], 0, 24 if name in PLAIN else 40), effects=None)
     nearest = found.naming.decision.best
     assert nearest is not None
     if name in LIKE_A_SOLVER:

@@ -75,6 +75,7 @@ def test_factors_on_forces_do_not_pull_the_modulus_down():
     assert np.mean(of_readings) < np.mean(ratios) - 0.02
 
 
+@pytest.mark.slow
 def test_all_sizes_together_are_those_of_the_data():
     """Factors of single touches under one ball raise its own size, whatever the shared errors take of them."""
     white = planted_factors({NAMES[3]: 6.0 * USUAL}, 2)

@@ -46,6 +46,7 @@ def test_the_false_alarm_rate_is_the_level():
     assert 0.1 < np.mean(np.array(smallest) <= 0.3) < 0.45, "p-values are uniform, not merely large"
 
 
+@pytest.mark.slow
 def test_frames_as_units_would_cry_wolf():
     """The pitfall: taking each frame for a trajectory makes an alarm of most nulls with correlated noise."""
     alarms = 0

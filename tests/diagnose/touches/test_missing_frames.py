@@ -55,6 +55,7 @@ def one(play, middle, depths=DEPTHS):
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("lost", [[12], [18, 19, 20, 21], [9, 15, 16, 25, 30]], ids=["one", "the deepest", "some"])
 def test_lost_frames_are_recovered(lost):
     """Within the stated tolerance; by the middle play alone they would be off by five times that and more."""

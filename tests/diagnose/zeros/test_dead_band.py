@@ -110,6 +110,7 @@ def test_readings_that_say_nothing_are_no_band(readings):
     assert find_dead_band(readings) is None
 
 
+@pytest.mark.slow
 def test_readings_of_a_store_are_those_of_its_log(tmp_path):
     """Each trajectory with forces gives its readings, without zero and weight taken off."""
     opened = OpenedStore.planned(Store.open(recorded_store(tmp_path)), CalibrationOptions().pads)

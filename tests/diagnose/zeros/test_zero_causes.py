@@ -71,6 +71,7 @@ def test_two_causes_are_both_found():
     assert {cause.effect for cause in zero_causes(zeros(mass=0.06, drift=0.8))} == {"tool_weight", "sensor_drift"}
 
 
+@pytest.mark.slow
 def test_chance_is_not_named():
     """Zeros that scatter by chance have a cause in at most two of sixty worlds."""
     named = [bool(zero_causes(zeros(seed))) for seed in range(60)]

@@ -118,6 +118,7 @@ def stored(path, mapping, target):
     return Store.open(target)
 
 
+@pytest.mark.slow
 def test_own_names_give_the_store_of_the_standard_names(two_names, tmp_path):
     """A draft that is uncommented and completed gives the same signals, aligned values and frames, bit by bit."""
     text = draft(two_names / "own.mcap")

@@ -87,7 +87,7 @@ def test_a_stiff_skin_is_felt_and_is_not_read_from_another_gel_s_cache(pad):
     assert (pressed(FemEngine(pad, 0.47, "linear", modulus=skin)) > 1.1 * pressed(FemEngine(pad, 0.47, "linear"))).all()
     surface = contact_surface(pad)
     plain, stiff = (
-        surface_response(FactorisedPad.of(pad, quadrature, 0.47), surface)
+        surface_response(FactorisedPad(pad, quadrature, 0.47), surface)
         for quadrature in (cell_quadrature(pad), cell_quadrature(pad).stiffened(skin))
     )
     assert np.abs(stiff - plain).max() > 0.1 * np.abs(plain).max()

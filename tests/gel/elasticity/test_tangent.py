@@ -76,7 +76,7 @@ def test_members_answer_to_forces_as_the_pad_does(pad):
     """Compliance of some patches, and solutions, are those of the factorised tangent itself to 1e-4."""
     mesh, elastic = pad
     surface, at = contact_surface(mesh), _deformed(mesh, 1e-5)
-    factorised = FactorisedPad.of(mesh, cell_quadrature(mesh), NU)
+    factorised = FactorisedPad(mesh, cell_quadrature(mesh), NU)
     members = np.array([3, 17, 24])
     deformed = TangentFactory(factorised, elastic, surface, NEO_HOOKEAN).at(at, members, is_filtered=False)
     assert not deformed.is_filtered
@@ -98,7 +98,7 @@ def test_a_tangent_that_is_not_positive_definite_is_filtered(pad):
     surface = contact_surface(mesh)
     at = 0.15 * _deformed(mesh, 1e-3)
     at[:, 2] -= 0.45 * (mesh.vertices[:, 2] - mesh.vertices[:, 2].min())
-    tangents = TangentFactory(FactorisedPad.of(mesh, cell_quadrature(mesh), NU), elastic, surface, NEO_HOOKEAN)
+    tangents = TangentFactory(FactorisedPad(mesh, cell_quadrature(mesh), NU), elastic, surface, NEO_HOOKEAN)
     members = np.array([3, 17, 24])
     found, asked = (tangents.at(at, members, is_filtered) for is_filtered in (False, True))
     assert found.is_filtered

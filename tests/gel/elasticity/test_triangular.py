@@ -14,7 +14,7 @@ PLAN = GridPlan(7, 9, 0.8e-3, (2.4e-3, 2.4e-3), (0.0, 0.5, 0.8, 1.0))
 @pytest.fixture(scope="module", params=[0.46, 0.495])
 def pad(request):
     mesh = structured_pad("coarse", DIGIT.gel, PLAN)
-    return FactorisedPad.of(mesh, cell_quadrature(mesh), request.param)
+    return FactorisedPad(mesh, cell_quadrature(mesh), request.param)
 
 
 def loads(pad, count):
@@ -44,6 +44,7 @@ def test_any_number_of_lanes_gives_the_solutions(pad, lanes):
     assert off(pad.blocks.solve(right, lanes=lanes), expected) < 2e-5
 
 
+@pytest.mark.slow
 def test_blocks_hold_the_factor(pad):
     """Put together again, triangles and rectangles are SciPy's lower factor, and each triangle's inverse is its own."""
     blocks, lower = pad.blocks, pad.factor.L.toarray()

@@ -88,6 +88,7 @@ def test_exported_scene_is_whole(tmp_path):
     assert model.mesh("indenter").vertnum[0] == len(Sphere(4e-3).mesh().vertices)
 
 
+@pytest.mark.slow
 def test_picture_shows_gel_and_indenter():
     """The near view holds the colours of both; a scene whose indenter is far away lacks one."""
     try:

@@ -1,5 +1,6 @@
 """What a recording contradicts in its store is said when it is ingested, not only kept."""
 
+import pytest
 from copied_trees import copy_tree
 
 from tactiledata.ingest.checks.conflicts import CONFLICTS
@@ -19,6 +20,7 @@ def relabelled(log, place, name, other):
     return place
 
 
+@pytest.mark.slow
 def test_swapped_sensors_are_said(tiny_folders, tmp_path):
     """Under the serial of another sensor comes another picture without contact; true labels say nothing."""
     first, second = tiny_folders

@@ -46,6 +46,7 @@ def test_unknown_sensors_are_twins_at_equal_times():
     assert overlaps([touch(0, 0, 10, "unknown-11"), touch(1, 0, 10, "unknown-22")]) == {0: {1: 1}, 1: {0: 1}}
 
 
+@pytest.mark.slow
 def test_an_edited_copy_is_said_at_ingest(tiny_folders, tiny_mcaps, tmp_path):
     """An edited copy is said in one run, in a later one and when it is there already; independent logs have no twin."""
 
@@ -67,6 +68,7 @@ def test_an_edited_copy_is_said_at_ingest(tiny_folders, tiny_mcaps, tmp_path):
     assert said(ingest([tiny_folders[1], copy, tiny_folders[0]], tmp_path / "once.zarr")) == [0, 1, 1]
 
 
+@pytest.mark.slow
 def test_a_copy_that_replaces_its_origin_has_no_twin(tiny_folders, tmp_path):
     """With `--replace` only the edited log is left, and nothing is said; added beside its origin it is said."""
     log = tmp_path / "log"

@@ -59,6 +59,7 @@ def test_what_begins_late_or_ends_early_is_not_shifted(begins, ends):
     assert shift_of("wrench", spans, None) is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("table", "seconds"), [("wrench", 5), ("wrench", -5), ("wrench", 2), ("tcp", -5), ("joints", 2)]
 )

@@ -265,6 +265,7 @@ def later(row):
     return f"{int(t_ns) + 5 * SECOND},{rest}"
 
 
+@pytest.mark.slow
 def test_a_log_whose_wrench_jumps_falls_short(tiny_folders, tmp_path):
     """Ingest reports damage, and no frame after the jump has a force; samples lost in a pause are no damage."""
     log = tiny_folders[0]

@@ -159,6 +159,7 @@ def taped(path, stops):
                 file.image(at, at, picture(index, 16, 12))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stops", [0, 1])
 def test_a_lost_chunk_is_a_pause(tmp_path, stops):
     """Negative control: whichever chunk one flipped bit costs, no clock jumps, and all other samples are kept."""

@@ -148,6 +148,7 @@ def test_one_touch_far_off_is_not_believed():
     assert said["no-free-air"].count == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("touch", [0, 1])
 def test_a_log_that_lost_the_air_before_a_touch_names_it(touch, tiny_folders, tmp_path):
     """Rows of wrench.csv are missing until the touch presses: the trajectory is named, and no other."""

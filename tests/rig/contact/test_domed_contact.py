@@ -68,6 +68,7 @@ def test_in_the_middle_a_ball_presses_like_a_smaller_one_on_a_flat_gel(form):
     assert np.abs(domed[:2]).max() < 1e-2 * domed[2]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", [{}, LAYER], ids=["closed", "layer"])
 def test_without_friction_the_force_is_along_the_normal(form):
     """The force on the ball is on the line from the dome's centre to the ball's."""
@@ -101,6 +102,7 @@ def test_both_forms_of_contact_lose_as_much_on_the_way_out():
     np.testing.assert_allclose(lost[0][[0, 2, 4]], lost[1][[0, 2, 4]], rtol=0.33)
 
 
+@pytest.mark.slow
 def test_the_picture_shows_the_indenter_where_the_gel_is():
     """Within the contact, the surface that is seen lies where the ball is: its depth below the dome at rest."""
     trajectories = [touch("a", "ball", (0.004, 0.0), (PRESS,), force_limit=30.0)]

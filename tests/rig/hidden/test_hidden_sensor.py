@@ -93,6 +93,7 @@ def test_cross_talk_is_one_fixed_map_of_the_wrench():
     np.testing.assert_allclose(np.abs(np.diag(matrix[:6])), 0.05, rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_a_zero_creeps_to_its_end_in_air_as_in_contact():
     """Without the walk: size (1 - exp(-t / T)), whatever is touched; the walk grows as the root of time."""
     found, plain = both(stated("ft_drift", size=2.0, time=20.0))

@@ -374,6 +374,7 @@ def test_backlash_is_a_play_of_the_joints():
     assert 1e-6 < np.abs(deviation).max() < 6 * 0.5e-4
 
 
+@pytest.mark.slow
 def test_a_slide_of_the_layer_solver_takes_hidden_effects_too():
     """Relaxation and yielding act on the layer's own forces, with a balance within half a micrometre."""
     steps = [{"press": {"depth": 0.0004, "step": 0.0004, "settle": 0.0}}, {"dwell": {"time": 0.5}}]

@@ -212,6 +212,7 @@ def test_a_fine_punch_agrees_with_a_fine_reference(poisson_ratio, within):
     assert press.wrench[-1, 2] == pytest.approx(expected, rel=within)
 
 
+@pytest.mark.slow
 def test_large_strain_stiffens_the_layer():
     """A stuck ball at 0.8 mm has 4.09 N by an axisymmetric solution at large strain, and 3.91 N by a linear one."""
     stuck = Material(0.9e6, 0.48, 10.0)
@@ -243,6 +244,7 @@ def test_moving_everything_moves_the_answer():
     np.testing.assert_allclose(there.wrench[-1, 3:] - here.wrench[-1, 3:], lever, atol=5e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "shape", ["torus", "cone", "pyramid", "edge", "cylinder_side", "ring", "hexagon", "dots", "dome"]
 )

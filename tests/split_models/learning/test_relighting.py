@@ -109,6 +109,7 @@ def test_gradients_count_as_often_as_asked(lights):
         assert whole - none == pytest.approx(2 * (half - none), rel=1e-4)
 
 
+@pytest.mark.slow
 def test_exchanging_is_learned_from_backgrounds_alone(lights):
     """After some steps, arithmetic between two backgrounds decodes to the other one."""
     learner = objective(lights, 1.0, 1.0)
@@ -133,6 +134,7 @@ def recipe_run(folder, store, backgrounds):
     return RecipeRun(load_recipe(path), folder / "out", torch.device("cpu"))
 
 
+@pytest.mark.slow
 def test_a_recipe_trains_a_variant(tmp_path, touch_store):
     """Rows of a variant are made with its own image VAE and the mesh VAE of all."""
     plain = recipe_run(tmp_path, touch_store, ["digit-bg-5"])

@@ -31,6 +31,7 @@ def folder(short_store, tmp_path, monkeypatch):
     return tmp_path
 
 
+@pytest.mark.slow
 def test_as_typed_in_the_folder_of_a_store(folder, capsys):
     """No store named: the only one is taken, and stays the only one, as all is written below; again: no change."""
     typed = ("transfer", "--to", "ycb-sensorB", "--method", "background-swap")
@@ -96,6 +97,7 @@ def test_networks_run_on_the_named_device(monkeypatch):
     assert asked == ["cuda"] * 3
 
 
+@pytest.mark.slow
 def test_the_default_needs_no_model(folder, capsys, monkeypatch):
     """Where no model is bundled, the default keeps the touch without one, and says so."""
     monkeypatch.setattr("split_models.transfer.method_choice.BUNDLED_MODEL", folder / "none.ckpt")
@@ -129,6 +131,7 @@ def test_the_default_measures_itself_and_keeps_the_touch(tiny_store, tmp_path, m
     assert stored["transfer"] == {name: document[name] for name in ("drawn_by_model", "kept_touch")}
 
 
+@pytest.mark.slow
 def test_a_model_that_draws_no_touch_has_no_part(folder, capsys):
     """Negative control: an untrained network draws none, which is said with its figures, and the touch is kept."""
     save_checkpoint(folder / "vae.ckpt", Checkpoint.of(image_vae(), TrainedOn()))
@@ -141,6 +144,7 @@ def test_a_model_that_draws_no_touch_has_no_part(folder, capsys):
     assert (folder / "transferred" / "ds-ycb-sensorA-relit.zarr").is_dir()
 
 
+@pytest.mark.slow
 def test_a_named_method_is_used_and_what_it_loses_is_said(folder, capsys):
     """A method that was asked for is taken whatever it loses; the warning names the one that keeps the touch."""
     code, out, err = run_command(capsys, "transfer", "--to", "ycb-sensorA", "--method", "no-contact")
@@ -149,6 +153,7 @@ def test_a_named_method_is_used_and_what_it_loses_is_said(folder, capsys):
     assert (folder / "transferred" / "ds-ycb-sensorA-no-contact.zarr").is_dir()
 
 
+@pytest.mark.slow
 def test_a_checkpoint_of_pictures_transfers(folder, capsys):
     """An image VAE's checkpoint is used and its hashes are said; the target keeps its own size."""
     vae = image_vae()
@@ -204,6 +209,7 @@ def test_a_title_is_above_and_is_not_cut():
     assert (drawn[:, -2:] == 255).all()
 
 
+@pytest.mark.slow
 def test_the_picture_says_that_its_touches_are_simulated(folder, capsys, monkeypatch):
     """The title of a transfer of simulated recordings names the target and the method, and says what they are."""
     titles = []

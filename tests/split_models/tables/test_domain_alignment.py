@@ -121,6 +121,7 @@ def test_rows_are_real_only_where_recordings_are(tmp_path, kinds, title):
     assert recorded_row(tmp_path / "ds.zarr") == title
 
 
+@pytest.mark.slow
 def test_the_table_says_what_it_was_recorded_of(touch_store, out):
     """The rig's touches are no real ones: the row of pictures as recorded says so."""
     rows = alignment_rows(recipe_run(out, touch_store, out, methods=["no_contact"]))

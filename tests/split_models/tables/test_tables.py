@@ -200,6 +200,7 @@ def test_bad_data_are_said_before_anything_is_learned(touch_store, tmp_path, tin
     assert not (tmp_path / "out" / "models").exists()
 
 
+@pytest.mark.slow
 def test_weights_of_another_state_are_refused(touch_store, tmp_path, out):
     """The store's meshes were made anew on another material, or the split drawn anew: what differs is said."""
     from tactiledata.gel.elasticity.material import GelMaterial

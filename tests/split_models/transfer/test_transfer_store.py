@@ -193,6 +193,7 @@ def test_a_store_of_children_alone_is_drawn_as_its_parents(source, made, tmp_pat
         assert parts["children"][row["uid"]] == parts["parents"][row["parent"]]
 
 
+@pytest.mark.slow
 def test_children_of_flagged_parents_are_flagged(source, target, tmp_path):
     """A transfer carries flags along: the child of a flagged parent is out of splits, in its own store and merged; a
     parent that is flagged later is found by the audit of both stores, and carried by running the transfer again.
@@ -273,6 +274,7 @@ def die_at(moment):
         setattr(os, name, counted(getattr(os, name)))
 
 
+@pytest.mark.slow
 def test_again_adds_nothing_and_new_recordings_are_added(source, target, tmp_path):
     """The same call twice is no change; recordings that came to the source are added, the others stay."""
     fewer = write_two_sensors(tmp_path / "fewer.zarr", n_sources=3)
