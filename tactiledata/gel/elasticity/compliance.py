@@ -29,8 +29,8 @@ BATCH = 96
 """Right-hand sides solved at once: the factor is read from memory once for all of them."""
 WIDE = 24
 """Unit loads that are solved together; more are hardly faster, and would leave threads without any."""
-LAYOUT = 3
-"""Version of the cached files' layout; raising it makes new files."""
+LAYOUT = 4
+"""Version of the layout and the rounding of cached files; raising it makes new files."""
 
 
 @dataclass(frozen=True)
