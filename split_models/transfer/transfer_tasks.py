@@ -81,10 +81,8 @@ def staged_by(
         for piece in pieces
     ]
     for outcome in runner.outcomes(stage_task, tasks):
-        if outcome.error is not None:
-            raise outcome.error
-        if outcome.result is not None:
-            yield outcome.result
+        if outcome.value is not None:
+            yield outcome.value
 
 
 def stage_task(task: TransferTask) -> StagedTake:

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, TypeVar, cast
 
 from tactiledata.compute.threads import one_thread
 from tactiledata.errors import TactileDataError
@@ -27,6 +27,13 @@ class Outcome(Generic[T, R]):
     def is_ok(self) -> bool:
         """Whether the task gave a result."""
         return self.error is None
+
+    @property
+    def value(self) -> R:
+        """The result of the task; where an error ended it, that error is raised."""
+        if self.error is not None:
+            raise self.error
+        return cast(R, self.result)
 
 
 class Scheduler(ABC):

@@ -103,8 +103,7 @@ class ProofRun:
             for touch in named_plan(plan).touches
         ]
         for number, outcome in enumerate(self.runner.outcomes(solve, tasks, len(tasks)), start=1):
-            if outcome.error is not None:
-                raise outcome.error
+            _ = outcome.value  # raises the error of a task
             self.report_progress(number, len(tasks), "solving touches by the generators")
 
     def seal(self) -> dict[str, Any]:
@@ -116,14 +115,12 @@ class ProofRun:
         tasks = [DrawTask(self.folder, request) for request in requests]
         drawn = []
         for number, outcome in enumerate(self.runner.outcomes(draw, tasks, len(tasks)), start=1):
-            if outcome.error is not None:
-                raise outcome.error
-            drawn.append(outcome.result)
+            drawn.append(outcome.value)
             self.report_progress(number, len(tasks), "drawing cases")
-        found = [one for one in drawn if one is not None and one["label"] is not None]
+        found = [one for one in drawn if one["label"] is not None]
         left_out: dict[str, int] = {}
         for one in drawn:
-            if one is not None and one["label"] is None:
+            if one["label"] is None:
                 left_out[one["kind"]] = left_out.get(one["kind"], 0) + 1
         if not found:
             raise TactileDataError(
@@ -146,9 +143,7 @@ class ProofRun:
         todo.sort(key=lambda name: seal["cases"][name]["plan"])
         tasks = [self._task(seal, name) for name in todo]
         for number, outcome in enumerate(self.runner.outcomes(answer, tasks, len(tasks)), start=1):
-            if outcome.error is not None:
-                raise outcome.error
-            one = outcome.result or {}
+            one = outcome.value
             said = ", ".join(one["set"]) or "no name"
             self.tell(f"{one['case']}: {one['verdict']}: {said} ({one['seconds']:.0f} s)")
             self.report_progress(number, len(tasks), "diagnosing cases")

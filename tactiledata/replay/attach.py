@@ -194,10 +194,8 @@ def _attach(
     }
     # outcomes come in the order of the runs
     for outcome in scheduler.outcomes(solve_run, runs):
-        if outcome.error is not None:
-            raise outcome.error
         run = outcome.task
-        arrays = {array: np.load(path, mmap_mode="r") for array, path in outcome.result.items()}
+        arrays = {array: np.load(path, mmap_mode="r") for array, path in outcome.value.items()}
         append_mesh(folder, options.mesh_name, facts, _described(plan), pad, run.frames, arrays)
         shutil.rmtree(run.folder, ignore_errors=True)
         done += len(run.touches)

@@ -62,7 +62,7 @@ footer { margin-top: 3rem; font-size: .8rem; color: var(--grey); overflow-wrap: 
 {% macro shown(picture) %}<figure>
 {% if picture.legend %}<ul class="legend" aria-label="Legend">{% for entry in picture.legend %}<li>{{ mark(entry) }}{{ entry.words }}</li>{% endfor %}</ul>{% endif %}
 {% for row in picture.rows %}<div class="row" style="max-width: {{ row | sum(attribute="width") }}px">
-{%- for panel in row %}<img class="{{ 'photographs' if panel.is_photograph else 'drawn' }}" style="flex: {{ panel.width }} 1 0; min-width: min(100%, {{ [panel.width - 24, 208] | min }}px)" alt="{{ simulated.captioned(panel.words or picture.caption) }}" src="data:image/png;base64,{{ panel.encoded }}">{% endfor %}</div>
+{%- for panel in row %}<img{% if not panel.is_photograph %} class="drawn"{% endif %} style="flex: {{ panel.width }} 1 0; min-width: min(100%, {{ [panel.width - 24, 208] | min }}px)" alt="{{ simulated.captioned(panel.words or picture.caption) }}" src="data:image/png;base64,{{ panel.encoded }}">{% endfor %}</div>
 {% endfor %}<figcaption>{{ simulated.captioned(picture.caption) }}</figcaption></figure>{% endmacro %}
 {% macro paragraphs(sentences) %}{% for kind, text in sentences %}<p{% if kind %} class="{{ kind }}"{% endif %}>{{ text | with_code }}</p>{% endfor %}{% endmacro %}
 {% set open_sections = sections | rejectattr("is_folded") | list %}

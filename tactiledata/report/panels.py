@@ -21,7 +21,7 @@ RESOLUTION = 150
 MARGIN = 3
 """Pixels between a cut and what is drawn behind it."""
 GREY = 121
-"""Grey level of words beside photographs: on a light and on a dark page their contrast is 4.3."""
+"""Grey level of words beside photographs: they can be read on a light and on a dark page."""
 
 
 def panels_of(figure: Figure, caption: str) -> Picture:
@@ -46,7 +46,7 @@ def panels_of(figure: Figure, caption: str) -> Picture:
         background.set_alpha(0.0)
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
-    drawn = np.asarray(canvas.buffer_rgba())
+    drawn = np.asarray(canvas.buffer_rgba())[..., [2, 1, 0, 3]]
     for background, opacity in zip(backgrounds, opacities, strict=True):
         background.set_alpha(opacity)
     renderer = canvas.get_renderer()
@@ -116,19 +116,24 @@ def _end(groups: Sequence[Sequence[Axes]], renderer: Any, side: str) -> int:
 
 
 def _panel(drawn: NDArray[np.uint8], group: Sequence[Axes], cut: tuple[slice, slice]) -> Panel:
-    """Return the part of a drawn figure (H, W, RGBA) that shows some subplots; ``cut`` are its rows and columns."""
+    """Return the part of a drawn figure (H, W, BGRA) that shows some subplots; ``cut`` are its rows and columns."""
     is_photograph = all(_is_photograph(axis) for axis in group)
-    shown = drawn[..., [2, 1, 0, 3]].copy()
+    shown = drawn[cut]
     if is_photograph:
         # words and frames in grey, photographs as they are
-        beside = np.ones(shown.shape[:2], dtype=bool)
+        rows, columns = cut
+        greyed = np.full_like(shown, GREY)
+        greyed[..., 3] = shown[..., 3]
         for axis in group:
-            box = axis.get_window_extent()
-            beside[len(shown) - round(box.y1) : len(shown) - round(box.y0), round(box.x0) : round(box.x1)] = False
-        shown[beside, :3] = GREY
-    encoded = cv2.imencode(".png", shown[cut])[1].tobytes()
-    words = "; ".join(filter(None, map(_words, group)))
-    return Panel(encoded, shown[cut].shape[1], words, is_photograph)
+            box, above, left = axis.get_window_extent(), len(drawn) - rows.start, columns.start
+            inside = (
+                slice(above - round(box.y1), above - round(box.y0)),
+                slice(round(box.x0) - left, round(box.x1) - left),
+            )
+            greyed[inside] = shown[inside]
+        shown = greyed
+    encoded = cv2.imencode(".png", shown)[1].tobytes()
+    return Panel(encoded, shown.shape[1], "; ".join(filter(None, map(_words, group))), is_photograph)
 
 
 def _words(axis: Axes) -> str:

@@ -102,9 +102,7 @@ def play_nodes(
     outcomes = (runner or LocalScheduler()).outcomes(play_batch, batches, len(batches))
     with PlayProgress(paths, report_progress) as progress:
         for batch_nodes, outcome in zip(members, outcomes, strict=True):
-            if outcome.error is not None:
-                raise outcome.error
-            plays = iter(outcome.result or ())
+            plays = iter(outcome.value)
             for node in batch_nodes:
                 plays_of[node] = list(itertools.islice(plays, len(touches)))
             finished = len(plays_of) * len(touches)

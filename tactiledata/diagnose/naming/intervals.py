@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain, islice
 
 import numpy as np
 
@@ -107,18 +108,10 @@ def profiled_intervals(
     runner : Scheduler, optional
         Where ends are searched; in this process where ``None``.
     """
-    ends = [end for request in requests for end in request.ends]
-    reaches = []
-    for outcome in (runner or LocalScheduler()).outcomes(_profiled, ends):
-        if outcome.error is not None:
-            raise outcome.error
-        reaches.append(float(outcome.result or 0.0))
-    found = []
-    for request in requests:
-        count = len(request.ends)
-        found.append(request.reached(reaches[:count]))
-        del reaches[:count]
-    return found
+    ends_of = [request.ends for request in requests]
+    outcomes = (runner or LocalScheduler()).outcomes(_profiled, list(chain.from_iterable(ends_of)))
+    reaches = (outcome.value for outcome in outcomes)
+    return [request.reached(list(islice(reaches, len(ends)))) for request, ends in zip(requests, ends_of, strict=True)]
 
 
 @dataclass(frozen=True)

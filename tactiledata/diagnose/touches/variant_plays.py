@@ -102,9 +102,7 @@ def play_variants(
     paths = [path for batch in batches for path in variant_paths(batch)]
     with PlayProgress(paths, progress) as play_progress:
         for outcome in (runner or LocalScheduler()).outcomes(play_variant, batches, len(batches)):
-            if outcome.error is not None:
-                raise outcome.error
-            plays.append(outcome.result or [])
+            plays.append(outcome.value)
             finished += len(outcome.task.touches)
             play_progress.finished(finished, outcome.task.words)
     return plays

@@ -179,7 +179,7 @@ LIKE_A_SOLVER = ("arm_compliance", "thickness")
 """Planted effects that errors of the simulation of two per cent resemble: under balls alone they cannot be told."""
 
 PLAIN = ("relaxation", "rate_friction", "frame_rotation", "lag")
-"""Planted effects that are named from 24 trajectories, with probabilities of 0.88 to 0.98."""
+"""Planted effects that 24 trajectories suffice to name."""
 
 
 @pytest.mark.parametrize("name", PLANTS)
