@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -13,7 +14,9 @@ from tactiledata.errors import TactileDataError, UsageError
 CONNECT_TIMEOUT = 20.0
 """Seconds to wait for the scheduler to answer."""
 WORKER_TIMEOUT = 60.0
-"""Seconds to wait for a first worker."""
+"""Seconds to wait for a first worker, and for another one once all are lost."""
+LOOK_AGAIN = 5.0
+"""Seconds of waiting for a task after which it is looked whether there still are workers."""
 LARGEST_TASK = "1GB"
 """Size of a task from which on Dask warns. Few are on their way at a time, and the networks of a transfer are large."""
 
@@ -52,7 +55,7 @@ class DaskScheduler(Scheduler):
         UsageError
             The package is missing, no scheduler answers, or it has no workers.
         TactileDataError
-            Workers died again and again at one task, or the scheduler was lost.
+            Workers died again and again at one task, all workers were lost, or the scheduler was.
         """
         try:
             from dask import config
@@ -78,7 +81,10 @@ class DaskScheduler(Scheduler):
             self._need_workers(client)
             most = max(ahead or 0, 4, 2 * sum(client.ncores().values()))
             yield from in_order(
-                tasks, lambda task: client.submit(attempt, function, task, pure=False), self._collect, most
+                tasks,
+                lambda task: client.submit(attempt, function, task, pure=False),
+                lambda task, future: self._collect(client, task, future),
+                most,
             )
 
     def _need_workers(self, client: Any) -> None:
@@ -92,12 +98,15 @@ class DaskScheduler(Scheduler):
                 f"Start some with `dask worker {self.address}`, where the files are seen at the same paths.",
             ) from error
 
-    def _collect(self, task: Any, future: Any) -> Outcome[Any, Any]:
+    def _collect(self, client: Any, task: Any, future: Any) -> Outcome[Any, Any]:
         """Return the outcome of a submitted task; a cluster that failed becomes an error of ours."""
         from distributed import CancelledError, KilledWorker
 
         try:
-            return future.result()
+            self._wait(client, task, future)
+            outcome: Outcome[Any, Any] = future.result()
+            future.release()  # a worker that is lost later does not do it again
+            return outcome
         except KilledWorker as error:
             raise TactileDataError(
                 f"workers of the Dask cluster died again and again at {str(task)[:300]}",
@@ -106,13 +115,33 @@ class DaskScheduler(Scheduler):
                 "to go on; finished tasks are kept.",
             ) from error
         except (CancelledError, OSError) as error:
-            if future.status not in ("cancelled", "lost"):
+            if future.status == "error":  # the task's own
                 raise
             raise TactileDataError(
                 f"the Dask scheduler at {self.address!r} was lost at {str(task)[:300]}",
                 "",
                 "Start it anew, and run the command again to go on; finished tasks are kept.",
             ) from error
+
+    def _wait(self, client: Any, task: Any, future: Any) -> None:
+        """Wait until a task is done; a cluster that has lost all of its workers for long would never do it."""
+        from distributed import wait
+
+        lost_since: float | None = None
+        while True:
+            try:
+                with client.as_current():
+                    wait(future, timeout=LOOK_AGAIN)
+                return
+            except TimeoutError:
+                lost_since = None if client.ncores() else lost_since or time.monotonic()
+            if lost_since is not None and time.monotonic() - lost_since >= WORKER_TIMEOUT:
+                raise TactileDataError(
+                    f"the Dask cluster at {self.address!r} has lost all its workers at {str(task)[:300]}",
+                    f"a worker within {WORKER_TIMEOUT:g} s",
+                    "Most often they ran out of memory, or their machines were taken back. Start new ones, and run the "
+                    "command again to go on; finished tasks are kept.",
+                )
 
 
 @contextmanager

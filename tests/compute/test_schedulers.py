@@ -122,8 +122,8 @@ def end_process(number):
 
 
 @pytest.mark.slow
-def test_a_lost_scheduler_and_one_without_workers_are_said(monkeypatch):
-    """A scheduler without workers is wrong usage; one that dies on the way ends the run with advice, no traceback."""
+def test_a_lost_scheduler_and_lost_workers_are_said(monkeypatch):
+    """No workers at the start are wrong usage; workers or a scheduler lost on the way end the run with advice."""
     pytest.importorskip("distributed")
     started = []
 
@@ -139,6 +139,15 @@ def test_a_lost_scheduler_and_one_without_workers_are_said(monkeypatch):
             patch.setattr("tactiledata.compute.dask.WORKER_TIMEOUT", 0.5)
             with pytest.raises(UsageError, match="has no workers"):
                 list(SCHEDULERS["dask"](address).outcomes(halve, range(2)))
+        worker = start("worker", address, "--nthreads", "1", "--no-nanny")
+        with monkeypatch.context() as patch:
+            patch.setattr("tactiledata.compute.dask.LOOK_AGAIN", 0.2)
+            outcomes = SCHEDULERS["dask"](address).outcomes(time.sleep, [0.0] + [60.0] * 40)
+            assert next(outcomes).is_ok
+            patch.setattr("tactiledata.compute.dask.WORKER_TIMEOUT", 0.5)
+            worker.kill()
+            with pytest.raises(TactileDataError, match=r"has lost all its workers at 60\.0; .*Start new ones"):
+                list(outcomes)
         start("worker", address, "--nthreads", "1", "--no-nanny")
         # a function that a worker finds without the folder of this test
         outcomes = SCHEDULERS["dask"](address).outcomes(time.sleep, [0.2] * 40)

@@ -32,11 +32,19 @@ pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
-def cluster():
+def restarting_cluster():
     """Two workers, each of which is started anew when it was killed."""
     distributed = pytest.importorskip("distributed")
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster:
         yield cluster
+
+
+@pytest.fixture
+def cluster(restarting_cluster):
+    """The cluster, once both workers are there again after the test before."""
+    with pytest.importorskip("distributed").Client(restarting_cluster, set_as_default=False) as client:
+        client.wait_for_workers(2, timeout=120)
+    return restarting_cluster
 
 
 def killing(cluster, killed, count=2):
