@@ -143,6 +143,7 @@ def test_the_command_says_what_it_cannot(both, capsys):
     assert "ycb-sensorA" in err
 
 
+@pytest.mark.slow
 def test_one_sensor_is_enough_for_a_target(both, tmp_path, capsys):
     """A store of one sensor has no pair, and can be scored against a picture; one without untouched pixels cannot."""
     typed = ("--metric", "histogram_intersection", "--against", "ycb-sensorA")

@@ -65,6 +65,7 @@ def test_two_real_contacts_are_refused():
         average_background(frames, ["digit_raw", "limitation"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["digit_raw", "limitation_raw_digit"])
 def test_a_real_contact_among_untouched_frames_is_found(name):
     """A real contact between frames of its unit, whose untouched picture is filled in from the surroundings."""

@@ -114,6 +114,7 @@ def test_difference_is_doubled_about_grey(seen):
         assert np.abs(drawn - wanted).mean() < 3
 
 
+@pytest.mark.slow
 def test_contact_mask_lies_in_touches_only(seen):
     """A mask has contact in the firmest frame and none in the first, which no indenter touches; it is of 0 and 1."""
     views, _, store = seen

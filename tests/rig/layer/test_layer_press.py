@@ -85,6 +85,7 @@ def sheared():
     return layer, poses, states[1:]
 
 
+@pytest.mark.slow
 def test_a_symmetric_press_pulls_nowhere(sheared):
     """A press head-on has no sideways force and no torque."""
     wrench = sheared[2][4].wrench
@@ -156,6 +157,7 @@ def test_partial_slip_is_mindlins():
             assert -state.wrench[0] == pytest.approx(expected, rel=0.05)
 
 
+@pytest.mark.slow
 def test_full_slip_pulls_with_the_coefficient_of_friction():
     """Far enough sideways everything slides, and the pull is mu times the load."""
     material = Material(0.9e6, 0.48, 0.2)
