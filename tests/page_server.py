@@ -98,7 +98,7 @@ def run(job):
             exec(compile(job["code"], "<string>", "exec"), main.__dict__)
     except SystemExit as end:
         return end.code or 0
-    except BaseException:
+    except Exception:  # noqa: BLE001 - as Python itself ends a program
         traceback.print_exc()
         return 1
     return 0

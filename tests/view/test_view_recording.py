@@ -352,14 +352,14 @@ def test_killed_while_writing_the_file_is_whole(planted, tmp_path):
     write_view(Store.open(planted), path, ViewOptions(most=2, pictures=3))
     wanted = set(read_view(path)[0])
     left = 0
-    for attempt in range(5):
+    for attempt in range(3):
         writer = multiprocessing.get_context("spawn").Process(target=view_for_ever, args=(planted, path))
         # it imports the viewer for some seconds; then it writes one file after the other
         begun = set(tmp_path.glob(".view.rrd.*.part"))
         writer.start()
         while writer.is_alive() and not set(tmp_path.glob(".view.rrd.*.part")) - begun:
             time.sleep(0.01)
-        time.sleep(0.25 * attempt)
+        time.sleep(0.4 * attempt)
         os.kill(writer.pid, signal.SIGKILL)
         writer.join()
         left += len(list(tmp_path.glob(".view.rrd.*.part")))
