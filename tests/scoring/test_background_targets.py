@@ -42,6 +42,7 @@ def both(tiny_store, tmp_path_factory):
     return Store.open(folder / "both.zarr")
 
 
+@pytest.mark.slow
 def test_each_set_says_what_it_is(both):
     """Simulated recordings are called so, and what was made of them synthetic, of a simulated recording."""
     kinds = {some.name: some.kind for some in sensor_sets(both, 20)}

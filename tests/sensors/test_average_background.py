@@ -47,7 +47,7 @@ def test_untouched_frames_are_no_touch(unit):
 
 
 @pytest.mark.parametrize(
-    "unit", [pytest.param(unit, marks=[pytest.mark.slow] * bool(i % 4)) for i, unit in enumerate(UNITS)]
+    "unit", [pytest.param(unit, marks=[pytest.mark.slow] * bool(i % 16)) for i, unit in enumerate(UNITS)]
 )
 def test_a_touch_among_frames_is_named(unit):
     """On every real unit, the one frame with a contact at half its strength is named, and no other."""
