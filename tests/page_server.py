@@ -10,6 +10,7 @@ import importlib
 import json
 import os
 import re
+import signal
 import subprocess
 import sys
 import threading
@@ -24,6 +25,8 @@ IMPORTED = (
     "tactiledata.loaders.torch", "tactiledata.rig.record", "tactiledata.replay.attach", "tactiledata.diagnose.store",
 )  # fmt: skip
 """Modules that are imported once for all blocks."""
+LONGEST = 900
+"""Longest time that a block may take, s: then it is killed."""
 PLAIN = re.compile(r"tactiledata [^|&;<>()$`\\*?~#{}\[\]]*")
 """A line that a shell would hand on to the command as it is, quotes apart."""
 
@@ -69,6 +72,7 @@ def serve():
         job = json.loads(line)
         child = os.fork()
         if child == 0:
+            signal.alarm(LONGEST)
             code = run(job)
             threading._shutdown()
             atexit._run_exitfuncs()

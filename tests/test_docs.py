@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from copied_trees import copy_tree
-from page_server import PLAIN, PageServer
+from page_server import LONGEST, PLAIN, PageServer
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -94,7 +94,7 @@ def ended(block, folder, said, server):
         command = ["bash", "-euo", "pipefail", "-c", "\n".join(lines)]
         with (said / "out").open("w") as out, (said / "err").open("w") as err:
             code = subprocess.run(
-                command, cwd=folder, env=ENVIRONMENT, stdout=out, stderr=err, check=False, timeout=900
+                command, cwd=folder, env=ENVIRONMENT, stdout=out, stderr=err, check=False, timeout=LONGEST
             ).returncode
     return code, (said / "out").read_text(), (said / "err").read_text()
 
