@@ -277,6 +277,9 @@ def main(arguments: list[str] | None = None) -> bool:
     parser.add_argument("--workers", type=int, default=2)
     chosen = parser.parse_args(arguments)
     count, epochs = (64, 1) if chosen.quick else (chosen.frames, chosen.epochs)
+    if chosen.quick:
+        # each worker of a DataLoader imports torch anew
+        chosen.workers = 1
     from our_store import write_store
 
     kinds = {"no cache": "", "first epoch": "first", "later epochs": "later"}

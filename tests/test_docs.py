@@ -3,12 +3,14 @@
 import itertools
 import os
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 from copied_trees import copy_tree
+from page_server import LONGEST, PLAIN, PageServer
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -62,9 +64,44 @@ def prepared(tmp_path_factory):
     return folder
 
 
+ENVIRONMENT = {
+    **os.environ,
+    "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
+    "PYTHONPATH": str(ROOT),
+    "PYTHONWARNINGS": "error",
+}
+
+
+@pytest.fixture(scope="session")
+def server():
+    """A process that has imported the package, for programs and for commands that need no shell."""
+    one = PageServer(ENVIRONMENT)
+    yield one
+    one.close()
+
+
+def ended(block, folder, said, server):
+    """The exit code of a block that runs in a folder, and what it has printed as output and as errors."""
+    said.mkdir()
+    for name in ("out", "err"):
+        (said / name).touch()
+    lines = [re.sub(r"^\$ ", "", line) for line in block["code"].splitlines()]
+    if block["language"] == "python":
+        code = server.run([], block["code"], folder, said)
+    elif all(PLAIN.fullmatch(line) for line in lines):
+        code = next((failed for line in lines if (failed := server.run(shlex.split(line), "", folder, said))), 0)
+    else:
+        command = ["bash", "-euo", "pipefail", "-c", "\n".join(lines)]
+        with (said / "out").open("w") as out, (said / "err").open("w") as err:
+            code = subprocess.run(
+                command, cwd=folder, env=ENVIRONMENT, stdout=out, stderr=err, check=False, timeout=LONGEST
+            ).returncode
+    return code, (said / "out").read_text(), (said / "err").read_text()
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
-def test_blocks_run(page, prepared, tmp_path):
+def test_blocks_run(page, prepared, server, tmp_path):
     """The runnable blocks of a page run one after another in one folder, beside the files that its blocks show."""
     runnable = [block for block in blocks(page) if block["language"] in RUNNABLE and not block["reason"]]
     if not runnable:
@@ -75,25 +112,30 @@ def test_blocks_run(page, prepared, tmp_path):
             shown = tmp_path / "work" / block["file"]
             shown.parent.mkdir(parents=True, exist_ok=True)
             shown.write_text(block["code"], encoding="utf-8")
-    environment = {
-        **os.environ,
-        "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
-        "PYTHONPATH": str(ROOT),
-        "PYTHONWARNINGS": "error",
-    }
     printed = {match["code"]: match["printed"] for match in PRINTED.finditer(page.read_text(encoding="utf-8"))}
-    for block in runnable:
-        if block["language"] == "python":
-            command = [sys.executable, "-c", block["code"]]
-        else:
-            lines = [re.sub(r"^\$ ", "", line) for line in block["code"].splitlines()]
-            command = ["bash", "-euo", "pipefail", "-c", "\n".join(lines)]
-        done = subprocess.run(
-            command, cwd=tmp_path / "work", env=environment, capture_output=True, text=True, check=False, timeout=900
-        )
-        assert done.returncode == 0, f"{page.name}:\n{block['code']}\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}"
+    for number, block in enumerate(runnable):
+        code, out, err = ended(block, tmp_path / "work", tmp_path / f"said-{number}", server)
+        assert code == 0, f"{page.name}:\n{block['code']}\n{out[-2000:]}\n{err[-2000:]}"
         if block["code"] in printed:
-            assert printed_alike(done.stdout, printed[block["code"]]), f"{page.name}: {done.stdout}"
+            assert printed_alike(out, printed[block["code"]]), f"{page.name}: {out}"
+
+
+@pytest.mark.slow
+def test_a_block_that_fails_is_seen(server, tmp_path):
+    """Programs, commands and lines of a shell that fail give their exit code and what they said; none sees another."""
+    blocks = [
+        ("python", "left = 1\nprint('said')", 0, "said"),
+        ("python", "print('begun')\nleft", 1, "begun"),
+        ("python", "import warnings\nwarnings.warn('odd')", 1, ""),
+        ("bash", "$ tactiledata --help\n", 0, "Usage"),
+        ("bash", "tactiledata info nowhere.zarr\ntactiledata --help", 2, ""),
+        ("bash", "echo one | cat\nfalse\necho two", 1, "one\n"),
+    ]
+    for number, (language, code, expected, words) in enumerate(blocks):
+        found, out, err = ended({"language": language, "code": code}, tmp_path, tmp_path / str(number), server)
+        assert found == expected, (code, out, err)
+        assert words in out, code
+        assert bool(out) == bool(words), code
 
 
 def test_what_pages_print_is_compared():

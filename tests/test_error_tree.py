@@ -47,6 +47,7 @@ def refuse():
     raise SchemaError("bad", "good", "Mend it.", path="$.a", file="log.yaml")
 
 
+@pytest.mark.slow
 def test_facts_come_back_from_a_worker():
     """An error that a worker process raises has its facts in the caller."""
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool, pytest.raises(SchemaError) as caught:

@@ -1,5 +1,6 @@
 """docs/reliability.md shows the list of faults, and the list names tests that exist."""
 
+import pytest
 from fault_table import FAULTS, PAGE, absent, drawn_page, listed, reasons
 from faults.writers import WRITERS
 
@@ -19,6 +20,7 @@ def test_the_page_shows_the_list():
     assert drawn_page(text) == text
 
 
+@pytest.mark.slow
 def test_every_test_of_the_list_exists():
     """Each name is that of a test function, or of a reason; cells of tests/faults are of a writer there."""
     for name, entry in listed().items():

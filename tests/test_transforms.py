@@ -154,3 +154,9 @@ def test_the_ends_hold_and_the_knots_are_met():
     close(interpolate_poses([0, 10, 20], poses, [0, 10, 20]), poses)
     close(interpolate_poses([0, 10, 20], poses, [-5, 25]), poses[[0, 2]])
     close(interpolate_poses([7], poses[:1], [0, 7, 9]), np.repeat(poses[:1], 3, axis=0))
+
+
+@given(QUATERNIONS)
+def test_a_quaternion_turns_as_scipys_does(xyzw):
+    """A stated quaternion, of any length, gives the rotation of scipy to the last bit."""
+    assert (Transform.from_parts("a", "b", [0, 0, 0], xyzw).rotation == Rotation.from_quat(xyzw).as_matrix()).all()

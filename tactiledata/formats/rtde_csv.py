@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Recording, Signal, Source, Stamps, Times, Values
@@ -136,6 +135,8 @@ def poses_from_rotation_vectors(values: Values) -> Values:
     >>> poses_from_rotation_vectors(np.array([[1, 2, 3, np.pi, 0, 0]])).round(6).tolist()
     [[1.0, 2.0, 3.0, 1.0, 0.0, 0.0, 0.0]]
     """
+    from scipy.spatial.transform import Rotation
+
     return np.concatenate([values[:, :3], Rotation.from_rotvec(values[:, 3:]).as_quat()], axis=1)
 
 

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 GRID = (16, 12)
 """Rows and columns of blocks."""
@@ -72,6 +71,8 @@ def near_pairs(prints: NDArray[np.float32], part: NDArray[np.int64], radius: flo
     radius : float
         Largest root mean square difference of two fingerprints, whose contrast is 1.
     """
+    from scipy.spatial import cKDTree
+
     usable = np.flatnonzero(np.isfinite(prints).all(axis=1) & (part >= 0))
     if len(usable) < 2:
         return NearPairs(np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0))

@@ -78,6 +78,7 @@ def test_wrong_options_are_wrong_usage(tiny_store, tmp_path, capsys, monkeypatch
     assert not list(tmp_path.glob("calibration*"))
 
 
+@pytest.mark.slow
 def test_a_store_without_a_wrench_names_the_reason(tiny_folders, tmp_path, capsys, monkeypatch):
     """Recordings whose forces were not recorded are not said to have felt little force."""
     from tactiledata.ingest.pipeline import ingest
@@ -93,6 +94,7 @@ def test_a_store_without_a_wrench_names_the_reason(tiny_folders, tmp_path, capsy
     assert "less than" not in said
 
 
+@pytest.mark.slow
 def test_a_store_without_poses_names_the_reason(tiny_folders, tmp_path, capsys, monkeypatch):
     """Recordings whose arm was not recorded: data fell short, and why."""
     from tactiledata.ingest.pipeline import ingest

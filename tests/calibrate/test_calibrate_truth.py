@@ -54,6 +54,7 @@ def test_the_grid_holds_what_lies_between_its_nodes(world, nu, mu, offset):
     assert np.allclose(exact, world.wrench(node, 0.7, 0.0), rtol=1e-12, atol=1e-20)
 
 
+@pytest.mark.slow
 def test_without_noise_nothing_is_left(world):
     """Null: the residual at the truth is that of the interpolation, far below the noise; the truth is found."""
     offsets = np.random.default_rng(1).normal(0, 3e-5, world.count)
@@ -64,6 +65,7 @@ def test_without_noise_nothing_is_left(world):
     assert np.allclose(loss.offsets(found), offsets, atol=3e-6)
 
 
+@pytest.mark.slow
 def test_planted_truth_is_found_in_noise(world):
     """E within 1 %, mu within 3 %, offsets within what the noise allows; the residual is the noise."""
     offsets = np.random.default_rng(2).normal(0, 3e-5, world.count)

@@ -189,6 +189,7 @@ def touches_of(count):
     ]
 
 
+@pytest.mark.slow
 def test_offsets_and_nu_are_played_for_the_examples_and_friction_for_all(counted):
     """With nu or the offset changed, 8 of 40 touches are played, and the others are predicted as they would play."""
     plays, _ = counted

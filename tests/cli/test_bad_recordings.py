@@ -259,7 +259,25 @@ def forces_beyond_all_sensors(bench):
     return bench.ingest()
 
 
-@pytest.mark.parametrize("name", CASES)
+WHOLE = (
+    "forces_beyond_all_sensors",
+    "frames_whose_files_are_gone",
+    "image_that_is_cut",
+    "images_with_blue_for_red",
+    "images_with_height_and_width_swapped",
+    "mcap_with_a_flipped_byte",
+    "no_robot_description",
+    "times_at_the_end_of_the_world",
+    "times_out_of_order",
+    "trajectory_of_an_unknown_sensor",
+    "trajectory_that_ends_before_it_starts",
+)
+"""Cases in which a whole ingest runs before, or in spite of, the fault."""
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow if name in WHOLE else ()) for name in CASES]
+)
 def test_bad_recordings_are_answered_in_words(name, bench, capsys):
     """Each is answered as the table says, and leaves nothing spoilt behind."""
     assert_answered_in_words(CASES[name], bench, capsys)

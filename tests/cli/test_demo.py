@@ -12,7 +12,9 @@ from command import run_command
 def test_it_ends_with_meshes_a_calibration_and_pages(tmp_path, capsys):
     """The demo of a tiny world ends with meshes, a calibration, an audit without leaks, two pages, and a transfer."""
     out = tmp_path / "demo"
-    code, printed, _ = run_command(capsys, "demo", "--world", "tiny", "--fidelity", "linear", "--out", out, "--json")
+    code, printed, _ = run_command(
+        capsys, "demo", "--world", "tiny", "--fidelity", "linear", "--workers", "1", "--out", out, "--json"
+    )
     assert code == 0
     told = json.loads(printed)
     assert told["replay"]["with_mesh"] == sum(told["replay"]["status"].values())

@@ -18,7 +18,9 @@ from tactiledata.rig.scenario.worlds import find_scenario
 
 pytestmark = pytest.mark.slow
 
-OTHERS = ("arm_compliance", "rate_friction", "frame_rotation", "gain_crosstalk")
+OTHERS = ("rate_friction", "frame_rotation")
+MOST = 10
+"""Touches that are recorded: two more than a diagnosis needs."""
 COARSE = GridPlan(5, 6, 1.2e-3, (4.8e-3, 6.0e-3), (0.0, 0.6, 1.0))
 
 
@@ -41,7 +43,7 @@ def test_it_names_what_its_world_conceals(tmp_path, monkeypatch):
     assert hidden == ["HiddenSpringpot"]
     # what the diagnosis does not use need not be recorded
     balls = balls_of(scenario)
-    used = tuple(one for one in touches(scenario) if one.indenter in balls)
+    used = tuple(one for one in touches(scenario) if one.indenter in balls)[:MOST]
     scenario = replace(scenario, trajectories=used, generate=None, contact_pitch=2 * scenario.contact_pitch)
     store = tmp_path / "demo.zarr"
     ingest(record(scenario, tmp_path / "recordings", "mcap"), store)

@@ -89,6 +89,7 @@ def test_without_what_it_needs_it_is_left_out(tmp_path, tiny_world, commands, mo
     assert not out.exists()
 
 
+@pytest.mark.slow
 def test_a_store_without_backgrounds_leaves_it_out(tmp_path, tiny_world, commands):
     """A store that cannot be transferred ends the step with what is wrong, and does not end the demo."""
     store = tmp_path / "ds.zarr"

@@ -162,6 +162,7 @@ def test_helps_fit_on_a_line(capsys, monkeypatch):
     assert not [line for line in lines if line.endswith(("...", "…"))]
 
 
+@pytest.mark.slow
 def test_one_is_not_many(folder, tmp_path, capsys):
     """One recording is no recordings."""
     code, out, _ = run_command(capsys, "ingest", folder["log"], "--store", "one.zarr")

@@ -55,6 +55,7 @@ PICTURES = {
 CODES = sorted({code for _, code, _ in PICTURES.values() if code})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", PICTURES)
 def test_an_odd_picture_is_said(kind, log, capsys):
     """One picture of another kind among 48: the ingest names the kind, and nothing of a picture like the others."""
@@ -66,6 +67,7 @@ def test_an_odd_picture_is_said(kind, log, capsys):
     assert [known for known in CODES if f"[{known}]" in said] == [code] * bool(code)
 
 
+@pytest.mark.slow
 def test_one_stray_size_keeps_no_dataset_from_the_others(log, capsys):
     """The dataset leaves out the one of 48 pictures that has another size, and the finding speaks of one."""
     save(log / "frames" / "t3_2.png", noise((100, 80, 3)))

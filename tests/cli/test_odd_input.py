@@ -24,6 +24,7 @@ def test_very_long_and_unicode_names_survive(bench, capsys):
     assert name in Store.open(bench.folder / "new.zarr").trajectories(["trajectory"])["trajectory"].to_pylist()
 
 
+@pytest.mark.slow
 def test_names_do_not_steer_the_terminal(bench, capsys):
     """Escape sequences and turned writing in a name are kept in the store, and printed as text."""
     name = "p\x1b[31m\u202e0"
@@ -87,6 +88,7 @@ def test_no_read_permission_is_said(bench, capsys, monkeypatch):
     assert "Traceback" not in text
 
 
+@pytest.mark.slow
 def test_a_picture_of_noise_is_still_a_picture(bench, capsys):
     """Negative control: an unusual but valid picture is taken without damage."""
     path = sorted((bench.log / "frames").iterdir())[0]

@@ -200,6 +200,7 @@ def test_any_text_is_a_document_or_a_schema_error(text):
         assert error.facts["file"] == "log.yaml"  # noqa: PT017
 
 
+@pytest.mark.slow
 def test_every_schema_is_a_schema():
     """Each file in schemas/ is valid Draft 2020-12, and an empty list fits none of them."""
     names = [place.name.removesuffix(".json") for place in schemas.shipped_folder("schemas").iterdir()]

@@ -54,10 +54,11 @@ def room_of(frame):
 
 
 @pytest.fixture
-def walk(tmp_path, monkeypatch):
+def walk(tmp_path, tmp_path_factory, monkeypatch):
     """Rooms in the order in which a small store enters them: the arm yields, and only clipping is tried."""
     monkeypatch.setitem(structured_pad.PLANS, "low", COARSE)
-    monkeypatch.setenv("TACTILEDATA_CACHE", str(tmp_path / "cache"))
+    # what other tests of a diagnosis have played of the same touches serves here, too
+    monkeypatch.setenv("TACTILEDATA_CACHE", str(tmp_path_factory.getbasetemp() / "cache"))
     store = Store.open(recorded_store(tmp_path, hidden=[{"effect": "arm_compliance", "strength": "strong"}]))
     options = DiagnosisOptions(fidelity="linear", effects=("clipping",), pairs=False)
     found, before = Walk(), sys.gettrace()

@@ -395,6 +395,7 @@ def test_nothing_is_a_first_class_answer(tmp_path):
     assert document["gap"] is None
 
 
+@pytest.mark.slow
 def test_a_common_factor_is_a_calibration(tmp_path):
     """A scale 5 % off throughout is said as such, with its size."""
     table = presses(3, 40)

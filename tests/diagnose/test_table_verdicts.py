@@ -137,6 +137,7 @@ def nearly_constant(noise=0.1, size=1e-3):
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_scale_and_offset_that_cannot_be_told_apart_are_said_to_be_so():
     """No share of 7200 % is printed; where the prediction varies enough, or is followed, its scale is asked."""
     table = residuals_of(nearly_constant())

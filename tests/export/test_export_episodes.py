@@ -60,6 +60,7 @@ def test_groups_keep_parts_apart(parted):
     assert len(episodes.groups(10**9)) == 3
 
 
+@pytest.mark.slow
 def test_without_a_split(tmp_path):
     """A store without a split is refused until it is said that none is wanted; one that is out of date, too."""
     store = write_loader_store(tmp_path / "ds.zarr", n_sources=2)
@@ -143,6 +144,7 @@ def test_what_travels_along(tiny_store, tmp_path):
     assert len(list((out / "tactiledata" / "backgrounds").iterdir())) == 2
 
 
+@pytest.mark.slow
 def test_nothing_is_called_simulated_where_it_is_not_stated(unstated, tmp_path):
     """Negative control: logs that do not state what they are make no export of simulated recordings."""
     from tactiledata.store.read.reader import Store

@@ -179,6 +179,7 @@ def test_hard_links_that_repeat_are_refused(made):
         made.spoil(repeat).read()
 
 
+@pytest.mark.slow
 def test_empty_trials_that_repeat_are_refused(made):
     """Hard links to steps without a mesh ask for no numbers, and end as well."""
 

@@ -165,6 +165,7 @@ def test_links_out_of_the_folder_are_refused(tmp_path):
         read(FORMAT, root)
 
 
+@pytest.mark.slow
 def test_damage_is_said(tmp_path):
     """A missing image, lists of unequal length and a broken list are findings, and the rest is read."""
     recording, sink = first(tmp_path / "a", drop_image=True)

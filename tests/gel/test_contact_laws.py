@@ -55,6 +55,7 @@ def test_wrench_is_what_the_nodes_feel(engine):
     assert np.abs(torques - history.wrench[:, 3:])[touching].max() < 2e-4 * largest * 1e-2
 
 
+@pytest.mark.slow
 def test_finite_strain_is_in_equilibrium_where_nothing_pushes():
     """With a tight tolerance, forces inside vanish and the base bears the wrench at the deformed places."""
     engine = FemEngine(slab(), NU, "finite-strain", tolerance=1e-9)
@@ -146,6 +147,7 @@ def _moved(way):
     return offset
 
 
+@pytest.mark.slow
 def test_without_friction_the_path_is_forgotten(engine):
     """Without friction only the pose counts; with friction the way back is another and the loop costs work."""
     there = [(x, 0, -0.6) for x in (0, 0.1, 0.2, 0.3, 0.4)]

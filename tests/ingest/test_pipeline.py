@@ -52,6 +52,7 @@ def test_the_truth_comes_back(tiny_mcaps, tiny_store):
         assert expected[:, 2].max() > 0.5
 
 
+@pytest.mark.slow
 def test_both_forms_of_a_log_give_one_dataset(tiny_store, tiny_folders, tmp_path):
     """MCAP and folder log of one world give the same trajectories, and the same pictures to the bit."""
     ingest(tiny_folders, tmp_path / "folder.zarr")
@@ -168,6 +169,7 @@ def test_a_damaged_recording_is_kept_as_far_as_it_goes(tiny_mcaps, tmp_path):
     assert {"damage"} <= set(stored["severity"].to_pylist())
 
 
+@pytest.mark.slow
 def test_strict_refuses_damage_and_takes_the_rest(tiny_mcaps, tmp_path):
     """With strict, the damaged recording is not in the store, and the report says why."""
     cut = tmp_path / "cut.mcap"

@@ -119,6 +119,7 @@ def test_the_real_digit_contacts(tmp_path):
     assert "mask" in " ".join(finding.message for finding in report.sources[0].findings)
 
 
+@pytest.mark.slow
 def test_all_real_data_in_one_store(tmp_path):
     """All real data in one call: what can be read is in, every other recording is named with its reason."""
     report = ingest([DATA], tmp_path / "ds.zarr")

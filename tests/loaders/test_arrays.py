@@ -35,6 +35,7 @@ def test_importing_loaders_imports_no_torch():
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("encoding", ["png", "raw"])
 def test_frames_are_those_that_were_stored(tmp_path, encoding):
     """Pictures, values, times, sensors and backgrounds of every frame come back exactly, in any order."""
@@ -52,6 +53,7 @@ def test_frames_are_those_that_were_stored(tmp_path, encoding):
     assert batch["sensor"] == store.frames(["sensor"])["sensor"].take(rows).to_pylist()
 
 
+@pytest.mark.slow
 def test_parts_hold_every_frame_once(place):
     """Train, val and test share no frame and no trajectory; together they are what the split takes."""
     parts = [TactileArrays(place, f"default/{part}", "digit") for part in ("train", "val", "test")]
@@ -202,6 +204,7 @@ def test_frames_and_trajectories_are_not_mixed_up(place):
         TactileArrays(place, "default/train", "digit").read_trajectories([0])
 
 
+@pytest.mark.slow
 def test_a_store_that_grew_needs_its_split_again(tmp_path):
     """Trajectories that a split does not know are an error, not silently left out."""
     made.split_store(tmp_path / "ds.zarr", n_sources=4)
@@ -223,6 +226,7 @@ def test_no_store_is_an_error(tmp_path):
         TactileArrays(tmp_path / "nowhere.zarr", "default/train")
 
 
+@pytest.mark.slow
 def test_one_camera_at_a_time(tmp_path):
     """Of a store with two cameras, the frames of the one that is asked for are held, the others are counted."""
     made.split_store(tmp_path / "ds.zarr", cameras=("left", "right"))
@@ -233,6 +237,7 @@ def test_one_camera_at_a_time(tmp_path):
         TactileArrays(tmp_path / "ds.zarr", "default/train", ("left", "right"))
 
 
+@pytest.mark.slow
 def test_a_sensor_without_background_is_named(tmp_path, monkeypatch):
     """A background is never made up: sensors without one are listed."""
     monkeypatch.setattr(made, "reference", lambda sensor: np.zeros((4, 4, 3), np.uint8))

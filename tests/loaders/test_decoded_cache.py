@@ -183,6 +183,7 @@ def test_a_lower_bound_shrinks_what_is_there(place, tmp_path):
     np.testing.assert_array_equal(whole(lower), plain)
 
 
+@pytest.mark.slow
 def test_a_store_that_changed_is_decoded_anew(tmp_path):
     """Another recording in the place of the first gives its own pictures, from the same folder of caches."""
     store, cache = tmp_path / "ds.zarr", tmp_path / "cache"

@@ -87,6 +87,7 @@ def test_normalisation_says_what_it_leaves_out(place):
     np.testing.assert_allclose(without.batch(range(len(without)))["wrench"].mean(axis=0), 0, atol=1e-4)
 
 
+@pytest.mark.slow
 def test_nothing_left_and_unknown_choices_are_refused(place, tmp_path):
     """A stream that no item has, and a word that is no choice."""
     with pytest.raises(UnknownName, match="drop"):

@@ -73,6 +73,7 @@ def place(untouched, tmp_path):
     return copy_tree(untouched, tmp_path / "ds.zarr")
 
 
+@pytest.mark.slow
 def test_train_has_mean_zero_and_others_take_its_scale(place):
     """Train is scaled to mean 0 and spread 1; val and test by the very same numbers."""
     parts = {

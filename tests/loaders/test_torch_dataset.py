@@ -77,6 +77,7 @@ def test_a_missing_split_is_an_error(place):
         TactileDataset(place, "all")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("unit", ["frame", "trajectory"])
 def test_workers_change_nothing(place, unit):
     """0, 1 and 2 forked workers give the same batches, also after the parent has read from the store."""

@@ -75,6 +75,7 @@ def test_a_view_that_is_right_stays_where_it_is():
     assert found.moved < 0.4
 
 
+@pytest.mark.slow
 def test_too_few_touches_are_refused():
     """Five do not make an affine view; untouched pictures do not count."""
     surface, _, made = touches(10)

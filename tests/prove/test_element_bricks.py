@@ -91,7 +91,8 @@ def test_slices_solve_as_a_sparse_matrix_does():
     assert np.abs(slices.factor(stiffness).solve(right) - expected).max() < 1e-3 * np.abs(expected).max()
 
 
-@pytest.mark.parametrize("poisson_ratio", [pytest.param(0.48, marks=pytest.mark.slow), 0.499])
+@pytest.mark.slow
+@pytest.mark.parametrize("poisson_ratio", [0.48, 0.499])
 def test_a_bonded_square_is_as_stiff_as_kelly_says(poisson_ratio):
     """A square under a plate that holds it has the modulus E (1 + 2.25 S²), in series with the bulk modulus.
 

@@ -61,6 +61,7 @@ def test_nothing_planted_changes_no_number(store, tmp_path):
     assert "effect-planted" in {finding.code for finding in findings_of(copy.findings())}
 
 
+@pytest.mark.slow
 def test_deriving_anew_gives_what_ingest_derived(store, tmp_path):
     """A change that changes nothing gives the contact wrenches and forces that ingest found: the way is the same."""
     copy = planted(store, tmp_path / "copy.zarr", "gain", 0.0)
@@ -73,6 +74,7 @@ def test_deriving_anew_gives_what_ingest_derived(store, tmp_path):
     assert not [one for one in check(copy) if one.severity == "damage"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effect", [name for name in PLANTS if name not in ("thickness", "added_mass")])
 def test_every_effect_changes_the_contact_wrench(store, tmp_path, effect):
     """Each effect of the sensor changes readings and what is derived from them, and leaves poses and images alone."""
@@ -127,6 +129,7 @@ def test_an_added_mass_weighs_what_it_should():
     assert np.linalg.norm(load[1, :3]) == pytest.approx(2 * 0.1 * 9.80665)
 
 
+@pytest.mark.slow
 def test_a_label_is_sealed_and_scored(tmp_path):
     """A diagnosis is scored against the label; a label that was changed does not fit the seal."""
     copy = tmp_path / "copy.zarr"

@@ -31,7 +31,7 @@ from tactiledata.prove.worlds.plan_names import named_plan
 from tactiledata.rig.hidden.effects import HIDDEN_EFFECTS
 
 COMMAND = [sys.executable, "-c", "from tactiledata.cli.main import run; run()", "prove"]
-CASES = ["--generators", "analytic", "--plans", "coarse-0", "--mismatch", "0", "--nulls", "1", "--drawn", "2"]
+CASES = ["--generators", "analytic", "--plans", "coarse-0", "--mismatch", "0", "--nulls", "1", "--drawn", "1"]
 CASES += ["--no-variants"]  # of a coarse plan, no candidate needs another gel
 
 
@@ -52,18 +52,19 @@ def test_a_killed_proof_goes_on_and_fits(tmp_path, monkeypatch):
     folder = ProofFolder(tmp_path / "proof")
     monkeypatch.setenv("TACTILEDATA_CACHE", str(tmp_path / "cache"))
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
-    words = [*COMMAND, "--out", str(folder.path), *CASES, "--effects", "lag,frame_rotation"]
+    words = [*COMMAND, "--out", str(folder.path), *CASES, "--effects", "lag"]
     killed_after(words, environment, folder.draw(0).exists)
     first = folder.draw(0).read_bytes()
     killed_after(words, environment, lambda: len(list((folder.path / "attempts").glob("*.json"))) == 2)
     root = json.loads(folder.seal.read_text())["root"]
-    done = subprocess.run([*words, "--workers", "2"], env=environment, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    assert "Targets" in done.stdout
+    # in this process, which need not import everything once more
+    done = CliRunner().invoke(app, words[len(COMMAND) - 1 :])
+    assert done.exit_code == 0, done.output
+    assert "Targets" in done.output
     assert folder.draw(0).read_bytes() == first
     found = verify(folder, root)
     assert found.faults == ()
-    assert found.answers == 3
+    assert found.answers == 2
     assert any("begun 2 times" in note for note in found.notes)
     assert "simulated recordings" in folder.page.read_text()
     # once more with the same options: nothing is diagnosed again; a case that is asked for again is listed
@@ -113,6 +114,7 @@ def test_a_diagnosis_sees_readings_and_plan_alone(tmp_path, monkeypatch):
     assert {path.name for path in folder.path.iterdir()} == {"proof.json", "cases", "attempts", "answers"}
 
 
+@pytest.mark.slow
 def test_wrong_usage_is_refused(tmp_path):
     """Unknown generators, plans, effects and folders with other files are refused before any work."""
     out = ["prove", "--out", str(tmp_path / "x")]

@@ -41,6 +41,7 @@ def test_tensors_and_batches_of_trajectories(replayed):
     assert batch["contact_mask"].dtype == torch.bool
 
 
+@pytest.mark.slow
 def test_of_several_meshes_one_must_be_named(replayed, tmp_path):
     """An error that says how; with the name it is that one."""
     place = tmp_path / "ds.zarr"

@@ -94,6 +94,7 @@ def _flip(place):
     place.write_bytes(content)
 
 
+@pytest.mark.slow
 def test_the_same_replay_again_changes_nothing(replayed, tmp_path):
     """The same replay again changes no byte of the store, and reports no new frame."""
     place = tmp_path / "ds.zarr"
@@ -125,6 +126,7 @@ def test_others_stand_beside_it_or_are_refused(copied):
     assert check(copied) == []
 
 
+@pytest.mark.slow
 def test_an_offset_presses_deeper(copied, replayed):
     """The offset of a calibration makes its trajectory firmer, and leaves the others as they are."""
     store = Store.open(replayed)

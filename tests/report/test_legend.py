@@ -73,6 +73,7 @@ def test_measured_values_are_dots_and_simulated_values_are_lines(name):
     ]  # fmt: skip
 
 
+@pytest.mark.slow
 def test_panels_hold_all_that_is_drawn():
     """Five trajectories, four in a row: five panels as in the grid, each with words, and every drawn pixel in one."""
     figure = FIGURES["calibrated"]()
@@ -114,6 +115,7 @@ def test_photographs_keep_their_colours_on_a_dark_page():
     assert len(beside) > 100
 
 
+@pytest.mark.slow
 def test_a_legend_says_how_a_mark_is_drawn():
     """Squares that are joined, dashes, boxes and ticks are told apart."""
     marks = {entry.words: entry.mark for name in FIGURES for entry in legend_of(FIGURES[name]().axes)}

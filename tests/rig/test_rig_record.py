@@ -216,6 +216,7 @@ def test_raw_images_say_what_they_are(tmp_path, encoding, said):
     assert rgb[160, :40, 0].mean() > rgb[160, :40, 2].mean() + 20
 
 
+@pytest.mark.slow
 def test_planted_faults_of_images(tmp_path):
     """Planted are mislabelled channels, a turned picture and lost pictures."""
     (path, _) = recorded(tmp_path / "a", images={"encoding": "raw", "mislabelled": True, "swapped_size": True})
@@ -243,6 +244,7 @@ def test_planted_faults_of_streams(tmp_path):
     assert repeated.mean() == pytest.approx(0.375, abs=0.02)
 
 
+@pytest.mark.slow
 def test_logs_that_say_little(tmp_path):
     """Unnamed trajectories; bare driver topics without description; a folder log cannot do without."""
     (folder, _) = recorded(tmp_path / "a", "folder", recordings={"name_trajectories": False})
@@ -258,6 +260,7 @@ def test_logs_that_say_little(tmp_path):
         recorded(tmp_path / "c", "folder", recordings={"describe": False})
 
 
+@pytest.mark.slow
 def test_two_sensors_in_one_log_and_a_video(tmp_path):
     """`group: all` puts both sensors into one log; a video runs on both cameras through the whole log."""
     images = {"capture": "video", "rate": 5}

@@ -42,6 +42,7 @@ def both(tiny_store, tmp_path_factory):
     return Store.open(folder / "both.zarr")
 
 
+@pytest.mark.slow
 def test_each_set_says_what_it_is(both):
     """Simulated recordings are called so, and what was made of them synthetic, of a simulated recording."""
     kinds = {some.name: some.kind for some in sensor_sets(both, 20)}
@@ -143,6 +144,7 @@ def test_the_command_says_what_it_cannot(both, capsys):
     assert "ycb-sensorA" in err
 
 
+@pytest.mark.slow
 def test_one_sensor_is_enough_for_a_target(both, tmp_path, capsys):
     """A store of one sensor has no pair, and can be scored against a picture; one without untouched pixels cannot."""
     typed = ("--metric", "histogram_intersection", "--against", "ycb-sensorA")

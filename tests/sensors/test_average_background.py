@@ -47,7 +47,7 @@ def test_untouched_frames_are_no_touch(unit):
 
 
 @pytest.mark.parametrize(
-    "unit", [pytest.param(unit, marks=[pytest.mark.slow] * bool(i % 4)) for i, unit in enumerate(UNITS)]
+    "unit", [pytest.param(unit, marks=[pytest.mark.slow] * bool(i % 16)) for i, unit in enumerate(UNITS)]
 )
 def test_a_touch_among_frames_is_named(unit):
     """On every real unit, the one frame with a contact at half its strength is named, and no other."""
@@ -65,6 +65,7 @@ def test_two_real_contacts_are_refused():
         average_background(frames, ["digit_raw", "limitation"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["digit_raw", "limitation_raw_digit"])
 def test_a_real_contact_among_untouched_frames_is_found(name):
     """A real contact between frames of its unit, whose untouched picture is filled in from the surroundings."""

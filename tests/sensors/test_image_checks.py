@@ -121,6 +121,7 @@ def shifted(image, right, down):
     return cv2.warpAffine(image, move, image.shape[1::-1], borderMode=cv2.BORDER_REPLICATE)
 
 
+@pytest.mark.slow
 def test_real_contact_is_seen_where_it_is(filled_in, drawn_mask):
     """The real contact stands out by far, and where its authors drew it."""
     contact = shows_contact(contact_picture("digit_raw"), filled_in)

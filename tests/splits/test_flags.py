@@ -173,6 +173,7 @@ def test_names_that_are_taken(place):
         remove_flags(place, [full.rpartition("/")[2]])
 
 
+@pytest.mark.slow
 def test_a_damaged_file_of_flags_is_refused(place):
     """Each changed byte of the file is found by `check` and refused by whatever reads flags; a sound file is not."""
     uid = next(iter(parts(place)))

@@ -113,6 +113,7 @@ def test_a_portrait_does_not_keep_its_image(shape):
     assert not np.shares_memory(Portrait(image).middle, image)
 
 
+@pytest.mark.slow
 def test_an_audit_holds_few_pixels(rig, monkeypatch):
     """Pictures are asked for in runs within the limit of pixels, then one at a time; the verdict is the same."""
     asked = []
@@ -145,6 +146,7 @@ def both_sides(store):
     return [int(frame_rows(store, split, part)[0]) for part in ("train", "test")]
 
 
+@pytest.mark.slow
 def test_a_rig_that_repeats_itself_passes(rig):
     """Negative control: twenty look-alikes across parts are looked at and none is called a copy."""
     seen = []
@@ -154,6 +156,7 @@ def test_a_rig_that_repeats_itself_passes(rig):
     assert seen == [(20, 20)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["q75", "darker, q90"])
 def test_a_planted_copy_is_found_among_repeats(rig, kind):
     """One train picture copied into test, compressed again or made darker, is found, and it alone."""
@@ -166,6 +169,7 @@ def test_a_planted_copy_is_found_among_repeats(rig, kind):
     assert f"frame {test} (test)" in found.message
 
 
+@pytest.mark.slow
 def test_what_cannot_be_judged_is_said(rig):
     """Blank and unreadable pictures are named, and do not end the audit."""
     train, test = both_sides(rig)

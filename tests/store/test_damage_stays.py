@@ -128,6 +128,7 @@ def test_replace_refuses_damage_of_what_stays(folder: Path, damage: str) -> None
     assert (folder / "manifest.json").read_bytes() == before
 
 
+@pytest.mark.slow
 def test_a_damaged_recording_may_be_replaced(folder: Path) -> None:
     """Numbers of the recording that goes may be lost: the way out of such damage stays open."""
     store = Store.open(folder)
@@ -153,6 +154,7 @@ def test_replay_refuses_damage(folder: Path, damage: str) -> None:
     assert (folder / "manifest.json").read_bytes() == before
 
 
+@pytest.mark.slow
 def test_a_whole_store_goes_on(folder: Path) -> None:
     """Negative control: without damage both succeed, and a picture is the one that was written."""
     merge([folder], folder.parent / "new.zarr")

@@ -114,6 +114,7 @@ def add_flag(place, name):
     flag_trajectories(place, [name], f"bad {name}")
 
 
+@pytest.mark.slow
 def test_two_who_flag_at_once_lose_nothing(place):
     """Processes that flag different trajectories at one time: all flags are there afterwards."""
     names = uids(place)

@@ -46,6 +46,7 @@ def test_the_whole_folder_of_splits_is_missed(store):
     assert gone(store)[0].count == 2
 
 
+@pytest.mark.slow
 def test_drawn_anew_or_taken_off_the_list_is_well_again(store):
     """The same command brings a split back; `check --repair` takes one off that was taken out on purpose."""
     take_out(store, "other")
@@ -72,6 +73,7 @@ def test_a_kill_before_the_list_leaves_a_whole_split(store, monkeypatch):
     assert made_names((store / "splits.json").read_bytes()) == ["default", "other", "third"] == names_on_disk(store)
 
 
+@pytest.mark.slow
 def test_a_damaged_list_is_said_and_written_anew(store):
     """A flipped bit of the list is damage; the repair writes it of the splits that are there."""
     place = store / "splits.json"

@@ -43,6 +43,7 @@ def test_statistics_of_huge_numbers_stay_json() -> None:
     assert all(np.isfinite(statistics[key]).all() for key in statistics)
 
 
+@pytest.mark.slow
 def test_manifest_statistics_are_those_of_the_values(tmp_path: Path) -> None:
     """What the manifest says of a signal is what its values give."""
     create(tmp_path, SMALL)

@@ -115,6 +115,7 @@ def test_truncated_heap_loses_no_more_than_its_tail(folder: Path) -> None:
     assert found[0].count == len(lost)
 
 
+@pytest.mark.slow
 def test_repair_marks_broken_images(folder: Path) -> None:
     """Images that do not fit their CRC are marked, others stay readable, the manifest follows; twice is once."""
     before = Store.open(folder)
@@ -180,6 +181,7 @@ def test_a_manifest_that_lies_is_found(folder: Path, change, code: str) -> None:
     assert codes(folder, images=False).get(code) == "damage"
 
 
+@pytest.mark.slow
 def test_undecodable_image_is_found_when_asked(tmp_path: Path) -> None:
     """An image whose bytes are as recorded but are no picture is found by decoding only."""
     create(tmp_path, SMALL)

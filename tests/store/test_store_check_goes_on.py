@@ -114,6 +114,7 @@ def test_broken_statistics_are_found(folder: Path, change) -> None:
         assert {one.code for one in said} == {"store-manifest", "store-no-digest"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("file", "spoil"),
     [

@@ -142,6 +142,7 @@ def test_a_lost_document_is_found(folder: Path) -> None:
     assert "store-document" in {found.code for found in check(folder)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("moment", ["write_manifest", "drop_unnamed"])
 def test_killed_while_facts_of_a_sensor_are_added(folder: Path, moment: str) -> None:
     """A commit that adds a fact to a known sensor and is killed leaves no damage, and the same commit ends well."""
@@ -167,6 +168,7 @@ def test_a_commit_while_a_store_is_checked_is_no_damage(folder: Path) -> None:
     assert {found.code for found in document_findings(opened)} <= {"store-no-digest"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("moment", ["write_manifest", "drop_unnamed", "write_card"])
 @pytest.mark.parametrize("change", ["commit", "picture", "no picture"])
 def test_killed_around_the_manifest(folder: Path, moment: str, change: str) -> None:

@@ -76,6 +76,7 @@ def test_merge_keeps_signals_of_other_frames_apart(tmp_path: Path) -> None:
     assert_same(Store.open(again), store)
 
 
+@pytest.mark.slow
 def test_merge_says_sensor_conflicts(tmp_path: Path) -> None:
     """One serial with two models: the first stays, and the conflict is said."""
     stores = [made(tmp_path / "a", [2]), made(tmp_path / "b", [4], sensors={"D1": {"model": "gelsight"}})]
@@ -127,6 +128,7 @@ def test_merge_refuses_damaged_images_until_marked(tmp_path: Path) -> None:
     assert Store.open(tmp_path / "ab").n_frames == Store.open(folder).n_frames
 
 
+@pytest.mark.slow
 def test_merge_says_that_splits_stay_behind(tmp_path: Path) -> None:
     """Splits belong to their store; a merge says that it did not copy them."""
     folder = made(tmp_path / "a", [1])
@@ -145,6 +147,7 @@ def test_merge_into_itself_is_refused(tmp_path: Path) -> None:
         merge([], tmp_path / "b")
 
 
+@pytest.mark.slow
 def test_merge_carries_sensors_added_by_hand(tmp_path: Path) -> None:
     """A sensor that no recording carries goes along, with its picture."""
     from tactiledata.contract.take import Reference

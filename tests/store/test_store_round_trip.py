@@ -210,6 +210,7 @@ def test_missing_and_broken_images_name_their_row(tmp_path: Path) -> None:
         assert error.value.facts["row"] == row
 
 
+@pytest.mark.slow
 def test_plain_zarr_reads_the_arrays(tmp_path: Path) -> None:
     """Somebody with zarr alone reads heap, raw frames, signals and references."""
     store = filled(tmp_path, [[3, 4], [5, 7, 8]])

@@ -57,6 +57,7 @@ def test_what_is_no_file_is_not_said_to_be_missing(store: Path, tmp_path: Path) 
         add_sensor(store, "D9", tmp_path / "gone.png")
 
 
+@pytest.mark.slow
 def test_a_picture_by_hand_outlasts_a_replaced_recording(store: Path, picture: Path, tiny_mcaps: list[Path]) -> None:
     """What was added by hand stays when the recordings of the sensor are read again."""
     serial = next(iter(Store.open(store).references()))

@@ -6,8 +6,6 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from scipy.spatial.transform import Rotation
-
 from tactiledata.errors import SchemaError
 from tactiledata.formats.mcap.cdr import JOINT_LAYOUT, VECTOR_LAYOUTS, Take, joint_taker, vector_taker
 from tactiledata.formats.mcap.collect import SignalBuffer
@@ -142,6 +140,8 @@ def _field_reader(role: SignalRole) -> Reader:
 
 def _with_quaternion(pose: Sequence[float]) -> list[float]:
     """A pose with a quaternion x y z w, of one with a rotation vector in radians."""
+    from scipy.spatial.transform import Rotation
+
     return [*pose[:3], *Rotation.from_rotvec(pose[3:]).as_quat().tolist()]
 
 

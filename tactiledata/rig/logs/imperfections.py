@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from itertools import accumulate
+
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from tactiledata.arrays import RealArray, Times
 from tactiledata.rig.scenario.scenario import ClockSetup, Imperfections
@@ -82,7 +83,9 @@ def coloured_noise(
     white = rng.standard_normal((count, len(scale)))
     memory = float(np.exp(-1.0 / (rate * setup.correlation_time)))
     drive = rng.standard_normal((count, len(scale))) * np.sqrt(1.0 - memory**2)
-    slow = lfilter([1.0], [1.0, -memory], drive, axis=0)
+    # plain numbers: scipy's filter takes longer to import than this takes to run
+    columns = [list(accumulate(column, lambda last, new: new + memory * last)) for column in drive.T.tolist()]
+    slow = np.array(columns).T
     return scale * (white + setup.coloured_share * slow)
 
 

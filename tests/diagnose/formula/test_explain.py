@@ -91,6 +91,7 @@ def test_the_dependence_is_sloped_before_and_flat_after():
     assert (np.abs(after.departures) < 4 * after.errors).all()
 
 
+@pytest.mark.slow
 def test_days_are_exchanged_where_they_are_given():
     """A modulus of each recording day's own is found as steps between trajectories, and is chance between days."""
     from dataclasses import replace
@@ -105,6 +106,7 @@ def test_days_are_exchanged_where_they_are_given():
     assert not by_day.is_structured
 
 
+@pytest.mark.slow
 def test_the_gate_is_one_of_the_locators():
     """It takes part where the noise is known, and only there."""
     world = planted(8, 20, 10, heavy=False, random_effects=False)

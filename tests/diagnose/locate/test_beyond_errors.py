@@ -71,6 +71,7 @@ def test_the_share_and_not_the_unit_of_a_parameter_counts(world):
     assert [one.p for one in ones] == pytest.approx([one.p for one in others])
 
 
+@pytest.mark.slow
 def test_locate_tells_no_error_of_the_simulation(world):
     """A drift is certain beside an exact simulation, and none beside one that may be off by as much."""
     noise = NoiseModel(0.5)

@@ -173,6 +173,7 @@ def test_locate_asks_them_only_where_errors_and_noise_are_known():
         assert "contrasts" not in locate(world, unknown).p
 
 
+@pytest.mark.slow
 def test_a_drift_is_said_once():
     """E over depth is a drift and a contrast: one sentence."""
 

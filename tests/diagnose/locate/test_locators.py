@@ -94,6 +94,7 @@ def test_events_compete_for_what_a_calibration_has_left(plant, event, component)
     assert hits >= 9
 
 
+@pytest.mark.slow
 def test_departure_false_alarms(nulls):
     """False alarms stay at 5 % over all events, components and shapes."""
     smallest = [
@@ -251,6 +252,7 @@ def test_a_leaf_is_found_and_confirmed():
     assert first.effect > 1
 
 
+@pytest.mark.slow
 def test_tree_false_alarms(nulls):
     """5 % over all leaves and components."""
     found = [honest_tree(projection, seed, draws=199) for seed, (_, projection) in enumerate(nulls)]

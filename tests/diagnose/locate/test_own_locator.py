@@ -44,6 +44,7 @@ def test_what_it_finds_is_listed_and_said(added):
     assert located_document(located)["p"][TITLE] == located.p[TITLE]
 
 
+@pytest.mark.slow
 def test_it_counts_among_the_tests_where_nothing_is_there(added, monkeypatch):
     """Without a difference the locator is not certain, and Holm's correction of the others counts it."""
     with_it = locate(planted(5))

@@ -35,6 +35,7 @@ def estimated(sizes, seed=0):
     return {family: float(np.exp(np.log(sizes).mean())) for family, sizes in of_family.items()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("family", FAMILIES)
 @pytest.mark.parametrize("seed", [0, 2])
 def test_planted_errors_are_found_in_their_family(family, seed):
@@ -70,6 +71,7 @@ def resized():
     return white, fit, with_estimated_sizes(white, fit)
 
 
+@pytest.mark.slow
 def test_other_sizes_than_the_best_cost_likelihood(resized):
     """The same sizes cost nothing, worse ones cost, and better ones are no gain below nothing."""
     white, fit, best = resized
@@ -103,6 +105,7 @@ def test_the_smallest_ratio_is_that_of_the_size_that_fell_most(resized):
     assert smallest_ratio(touched, white) == pytest.approx(0.25)
 
 
+@pytest.mark.slow
 def test_errors_of_one_indenter_are_found_under_it_alone():
     """Forces that are wrong under one ball make its size large, and leave those of the other balls near the usual."""
     name = planted_errors({}).indenter_names[1]

@@ -46,6 +46,7 @@ def test_a_creep_downwards_has_its_sign():
     assert term.coefficient == pytest.approx(-0.1, abs=0.015)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", LAWS)
 def test_no_creep_is_made_of_noise(law):
     """No formula is found in 12 tables of held steps and noise under each law, though no locator is asked before."""
@@ -114,6 +115,7 @@ def test_the_time_since_a_step_can_be_computed_from_its_definition():
     assert steps == 3 * 11
 
 
+@pytest.mark.slow
 def test_a_diagnosis_says_creep_and_what_it_is_counted_from():
     """The first sentence has the rate, the next two the formula and its definition; nothing else is left."""
     read = residuals_of(held_loads(creep=0.1))

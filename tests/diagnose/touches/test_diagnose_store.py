@@ -55,7 +55,7 @@ def diagnosed(capsys, monkeypatch, *arguments):
 def test_a_store_is_diagnosed_from_end_to_end(store, tmp_path, capsys, monkeypatch):
     """A store gives sentences, a page and a document, the same bytes again, and the gate's exit code."""
     pytest.importorskip("matplotlib")
-    given = (store, "--fidelity", "linear", "--effects", "lag,relaxation,thickness,clipping", "--no-pairs")
+    given = (store, "--fidelity", "linear", "--effects", "lag,thickness", "--no-pairs")
     code, printed, _ = diagnosed(capsys, monkeypatch, *given, "--out", tmp_path / "first")
     assert code == 0
     document = json.loads((tmp_path / "first" / "diagnosis.json").read_text())

@@ -70,6 +70,7 @@ def test_a_dome_keeps_its_base_and_its_middle():
     assert fall[0] == pytest.approx(PAD.thickness * 2000.0 * 25e-6, rel=0.1)
 
 
+@pytest.mark.slow
 def test_each_variant_changes_the_force_its_own_way():
     """A thicker pad is softer, a skin stiffer, and a soft spot softer above the spot only."""
     on_spot, beside = (3e-3, 3e-3), (-4e-3, -5e-3)

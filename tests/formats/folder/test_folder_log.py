@@ -96,6 +96,7 @@ def test_faulty_rows_alone_are_left_out(tmp_path):
     np.testing.assert_array_equal(recording.signals["wrench"].values, truth["wrench"][rest])
 
 
+@pytest.mark.slow
 def test_truncation_at_any_byte_keeps_what_is_before(tmp_path):
     """A wrench.csv cut anywhere gives the whole rows before the cut, and a word about the last line."""
     truth = write(tmp_path / "log", touches=1, frames=1)

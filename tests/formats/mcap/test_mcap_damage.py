@@ -181,6 +181,7 @@ def test_a_torn_chunk_gives_nothing(recordings, tmp_path):
     assert (finding.start_ns, finding.end_ns) == (START + STEP * count, START + STEP * (count + 43))
 
 
+@pytest.mark.slow
 def test_every_byte_of_a_small_file_may_be_flipped(tmp_path):
     """Whatever single byte is harmed: no error of another kind, no wrong sample without a word, nothing invented."""
     values = numbers(12, 6, 3)

@@ -284,6 +284,7 @@ VALUES = st.recursive(
 )
 
 
+@pytest.mark.slow
 @given(messages=st.lists(st.dictionaries(NAMES, VALUES, max_size=5), min_size=1, max_size=4))
 def test_whatever_the_draft_proposes_is_read(tmp_path_factory, messages):
     """Law: with all paragraphs uncommented, each proposal reads from its message the numbers at the fields it names."""

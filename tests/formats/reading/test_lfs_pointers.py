@@ -93,6 +93,7 @@ def test_inspect_names_pointers(tmp_path, capsys):
     assert "no format claims" not in said
 
 
+@pytest.mark.slow
 def test_pointers_beside_recordings_are_not_files_of_no_format(tmp_path):
     """An ingest says which files were not fetched, and goes on with the others; without pointers it says nothing."""
     write(tmp_path / "logs" / "a")

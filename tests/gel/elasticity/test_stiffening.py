@@ -72,6 +72,7 @@ def pressed(engine):
     return history.wrench[:, 2]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fidelity", ["linear", "finite-strain"])
 def test_a_gel_twice_as_stiff_pushes_twice_as_hard(pad, fidelity):
     """A gel whose cells are all twice as stiff pushes twice as hard, linear and at finite strain."""
@@ -93,6 +94,7 @@ def test_a_stiff_skin_is_felt_and_is_not_read_from_another_gel_s_cache(pad):
     assert np.abs(stiff - plain).max() > 0.1 * np.abs(plain).max()
 
 
+@pytest.mark.slow
 def test_stiffening_grows_with_depth(pad):
     """Yeoh's terms raise the force by a share that grows with depth."""
     plain = pressed(FemEngine(pad, 0.47))

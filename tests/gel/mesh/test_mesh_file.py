@@ -78,6 +78,7 @@ def test_any_attitude_and_unit_is_the_same_pad(tmp_path):
     assert contact_surface(pad).patch_areas.sum() == pytest.approx(contact_surface(upright).patch_areas.sum())
 
 
+@pytest.mark.slow
 def test_slab_is_pressed(tmp_path):
     """A pad from a file is pressed as any other, and holds a fixed order of its vertices."""
     path = written(tmp_path, *slab())

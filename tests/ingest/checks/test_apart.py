@@ -55,6 +55,7 @@ def test_a_recorder_that_stopped(tiny_folders, tmp_path, stream, also):
     assert said(log, tmp_path) == {("signal-incomplete", stream), *also}
 
 
+@pytest.mark.slow
 def test_images_under_another_serial(tiny_mcaps, tmp_path):
     """A mapping that names another sensor than the trajectories leaves them without images."""
     topic = f"/digit/{tiny_mcaps[0].stem}/image_raw/compressed"
@@ -62,6 +63,7 @@ def test_images_under_another_serial(tiny_mcaps, tmp_path):
     assert said(tiny_mcaps[0], tmp_path, options=IngestOptions(mapping=mapping)) == {("images-of-another-sensor", "")}
 
 
+@pytest.mark.slow
 def test_a_camera_that_is_stuck_in_a_slow_press(tiny_folders, tmp_path):
     """The force changes by newtons over many images, though by less than one from image to image."""
     log = copy_tree(tiny_folders[0], tmp_path / "log")

@@ -154,6 +154,7 @@ def test_a_clock_of_no_stream_is_named(clocks, says):
         assert re.search(pattern, one.message)
 
 
+@pytest.mark.slow
 def test_a_take_with_a_clock_of_no_stream_says_so(tiny_folders, tmp_path):
     """The finding is among those of ingest, with the streams that the recording has."""
     copy_tree(tiny_folders[0], tmp_path / "log")

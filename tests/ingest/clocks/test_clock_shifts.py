@@ -91,6 +91,7 @@ def plain(tiny_folders, tmp_path_factory):
     return place
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("first", "last", "seconds"), [(0, None, 5), (0, None, -5), (20, None, 5), (0, 10, -5), (5, 12, 60)]
 )
@@ -112,6 +113,7 @@ def test_images_at_another_time_get_no_force(first, last, seconds, tiny_folders,
     assert np.nanmax([0.0, *off]) < 1e-6
 
 
+@pytest.mark.slow
 def test_images_a_little_outside_are_kept(tiny_folders, tmp_path):
     """Negative control: images 0.4 s beside their trajectory are a warning."""
     log = moved(tiny_folders[0], tmp_path / "log", "frames", -0.4, 0, 8)

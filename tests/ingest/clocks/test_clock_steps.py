@@ -288,6 +288,7 @@ def earlier(row):
     return f"{int(t_ns) - 5 * SECOND},{rest}"
 
 
+@pytest.mark.slow
 def test_a_log_whose_middle_is_early_falls_short(tiny_folders, tmp_path):
     """Samples that stand 5 s early, before the log's start, are damage, and none of them is kept."""
     changed = rewritten(
@@ -299,6 +300,7 @@ def test_a_log_whose_middle_is_early_falls_short(tiny_folders, tmp_path):
     assert said["clock-jump"].count == 300
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("row", [300, 400, 500])
 def test_a_log_whose_controller_stalls_is_whole(tiny_folders, tmp_path, row):
     """Negative control: half a second without wrench, tcp and joints, while images go on, is a pause."""

@@ -56,6 +56,7 @@ def test_forces_are_right_on_whatever_clock_the_streams_were(kind, offset_s):
     assert error(world, kind, offsets, 15_000_000, FACTS) < WITHIN
 
 
+@pytest.mark.slow
 @few(25)
 @example(0, "header", 0.0, 0.0, 4.0, set())
 @given(

@@ -177,6 +177,7 @@ def some_touch(force):
     return TouchPicture("t", picture, picture, seconds, np.array(force, float).reshape(-1, 3), "gel", seconds, 0.0)
 
 
+@pytest.mark.slow
 def test_the_caption_names_only_what_is_there():
     """One touch with a force is enough to name it."""
     assert draw([some_touch([]), some_touch([[0, 0, 1]])])[1].startswith("The firmest touches")

@@ -248,6 +248,7 @@ def plateau(entry, by=(0.0016, 0.0), speed=0.001, hidden_friction=0.4, steps=Non
     return ratio[phases == "shear"], found
 
 
+@pytest.mark.slow
 def test_rate_friction_grows_by_its_share_per_decade_while_sliding_only():
     """Half way along the move the speed is 1.5 times its mean: mu (1 + 0.12 log10(1.5 v / v0)); sticking is as ever."""
     entry = stated("rate_friction", per_decade=0.12)

@@ -85,6 +85,7 @@ def sheared():
     return layer, poses, states[1:]
 
 
+@pytest.mark.slow
 def test_a_symmetric_press_pulls_nowhere(sheared):
     """A press head-on has no sideways force and no torque."""
     wrench = sheared[2][4].wrench
@@ -156,6 +157,7 @@ def test_partial_slip_is_mindlins():
             assert -state.wrench[0] == pytest.approx(expected, rel=0.05)
 
 
+@pytest.mark.slow
 def test_full_slip_pulls_with_the_coefficient_of_friction():
     """Far enough sideways everything slides, and the pull is mu times the load."""
     material = Material(0.9e6, 0.48, 0.2)
@@ -165,10 +167,8 @@ def test_full_slip_pulls_with_the_coefficient_of_friction():
     assert -press.wrench[-1, 0] == pytest.approx(0.2 * press.wrench[-1, 2], rel=0.05)
 
 
-@pytest.mark.parametrize(
-    ("shift", "steps"),
-    [(1e-9, 5), pytest.param(1e-9, 12, marks=pytest.mark.slow), pytest.param(-3e-9, 12, marks=pytest.mark.slow)],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("shift", "steps"), [(1e-9, 5), (1e-9, 12), (-3e-9, 12)])
 def test_a_slide_under_an_edge_amplifies_nothing(shift, steps):
     """A tilted punch is dragged by 0.5 or 1.2 mm, and once more from nanometres beside: forces agree within 1 %."""
     drag = np.column_stack([np.arange(1, steps + 1) * 1e-4, np.zeros(steps), np.full(steps, 4e-4)])

@@ -149,6 +149,7 @@ def test_a_recipe_trains_a_variant(tmp_path, touch_store):
         plain.variant("relight")
 
 
+@pytest.mark.slow
 def test_light_of_a_unit_that_is_tested_on_is_refused(tmp_path, touch_store):
     """The background of the held-out unit, by the name of the bundled picture."""
     learning = recipe_run(tmp_path, touch_store, ["digit-bg-14"]).variant("relit")
@@ -156,6 +157,7 @@ def test_light_of_a_unit_that_is_tested_on_is_refused(tmp_path, touch_store):
         learning.image_vae  # noqa: B018
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["contact_weight", "gradient_weight"])
 @pytest.mark.parametrize(("weight", "kind"), [(4.0, ArithmeticVaeObjective), (0.0, ImageVaeObjective)])
 def test_a_weight_counts_alone(tmp_path, touch_store, name, weight, kind):

@@ -84,6 +84,7 @@ def test_latent_without_a_model_says_what_to_do(folder, capsys, monkeypatch):
     assert "--method background-swap" in err
 
 
+@pytest.mark.slow
 def test_networks_run_on_the_named_device(monkeypatch):
     """The name of the device reaches the network of a method, of the choice and of latent vectors."""
     asked = []

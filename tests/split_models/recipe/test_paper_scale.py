@@ -1,6 +1,7 @@
 """Every network at the paper's sizes learns for two steps on a processor."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -29,14 +30,15 @@ def paper_store(tmp_path_factory):
     world = scenario()
     ingest(record(world, place.parent / "recordings", "mcap"), place)
     replay(place, coarse_replay(keep="all"))
-    for seed in range(200):
-        counts = make_split(
-            Store.open(place), by="trajectory", hold_out="none", fractions=(0.25, 0.25, 0.5), force=FORCE, seed=seed,
-            replace=True,
-        ).counts  # fmt: skip
-        if min(counts[part].trajectories for part in ("train", "val")) and 2 <= counts["train"].frames <= 16:
-            return place
-    raise AssertionError("no seed of 200 gives a small train part and a val part")
+    split = partial(
+        make_split, Store.open(place), by="trajectory", hold_out="none", fractions=(0.25, 0.25, 0.5), force=FORCE,
+        replace=True,
+    )  # fmt: skip
+    found = [split(seed=seed).counts for seed in range(40)]
+    frames = [(counts["train"].frames, counts["val"].frames) for counts in found]
+    # both steps of two pieces each, and no more pictures than that takes
+    split(seed=min(range(40), key=lambda seed: (min(frames[seed]) < 2 * STEPS, sum(frames[seed]))))
+    return place
 
 
 @pytest.mark.slow

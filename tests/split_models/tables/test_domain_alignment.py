@@ -130,6 +130,7 @@ def test_the_table_says_what_it_was_recorded_of(touch_store, out):
     }
 
 
+@pytest.mark.slow
 def test_a_mean_over_sources_is_their_mean(touch_store, out):
     """Rows by source and the row over them tell of the same frames."""
     rows = alignment_rows(recipe_run(out, touch_store, out, methods=["no_contact"]))
@@ -144,6 +145,7 @@ def test_a_mean_over_sources_is_their_mean(touch_store, out):
     assert of["mean over sources", ""]["value"] == pytest.approx(total)
 
 
+@pytest.mark.slow
 def test_rows_are_compared_with_the_swap_frame_by_frame(touch_store, out):
     """Differences of means are means of differences, for both kinds of rows; a recipe's titles name them."""
     run = recipe_run(out, touch_store, out, methods=["no_contact", "background_swap"], titles={"no_contact": "nothing"})

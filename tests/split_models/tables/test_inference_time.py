@@ -47,6 +47,7 @@ def test_steps_together_are_the_method(method):
     assert np.array_equal(found, method.predict(moved, BACKGROUND))
 
 
+@pytest.mark.slow
 def test_memory_is_that_of_the_work():
     """A process that fills 200 MB more has a peak 200 MB higher, whatever this one holds."""
     little, much = peak_memory(mul, b"x", 1), peak_memory(mul, b"x", 200_000_000)

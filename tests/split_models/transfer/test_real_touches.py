@@ -41,6 +41,7 @@ def default(samples):
     return choose_method(None, None, samples).method
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", TARGETS)
 def test_the_default_keeps_real_touches(default, samples, target):
     """Strength is 0.85 to 1.15, correlation at least 0.9, mask overlap at least 0.75, on targets never trained on."""
@@ -66,6 +67,7 @@ def test_no_warning_where_touches_are_kept(default, samples):
     assert list(touch_findings(kept, default.name, "T")) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", TARGETS)
 def test_outside_the_contact_the_default_is_the_target(default, samples, target):
     """Outside the contact the error is at most that of the plain swap and one grey level, and style is no worse."""

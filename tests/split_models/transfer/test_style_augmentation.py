@@ -76,6 +76,7 @@ def test_what_is_tested_on_is_no_style(dataset, targets, says):
         StyleAugmentation(dataset, targets)
 
 
+@pytest.mark.slow
 def test_other_datasets_are_refused(touch_store, dataset, tmp_path):
     """Parts that are tested on, trajectories, no pictures, normalised ones; unknown targets; a wrong share."""
     for part, options, says in [

@@ -128,6 +128,7 @@ def test_to_itself_changes_nothing(source, tmp_path):
     np.testing.assert_array_equal(made.images(range(made.n_frames)), source.images(rows))
 
 
+@pytest.mark.slow
 def test_batch_borders_do_not_show(source, target, made, tmp_path, monkeypatch):
     """Another number of pictures in memory gives the same bytes."""
     monkeypatch.setattr("split_models.transfer.transfer_take.BATCH", 5)
@@ -157,6 +158,7 @@ def both(source, made, tmp_path_factory):
     return Store.open(place)
 
 
+@pytest.mark.slow
 def test_children_stand_with_their_parents(both):
     """In the merged store every child is in its parent's part, also of a held-out sensor; the audit is clean."""
     part = _parts(both)
@@ -322,6 +324,7 @@ def test_swapped_channels_of_the_target_are_refused(source, tmp_path):
         transfer_store(source, Target("T3", swapped, "made"), SWAP, tmp_path / "out.zarr")
 
 
+@pytest.mark.slow
 def test_sensors_are_named_or_known(source, target, tmp_path):
     """An unknown source sensor lists near names; one without a background says how to add it."""
     with pytest.raises(UnknownName, match="Did you mean"):
@@ -359,6 +362,7 @@ def test_damage_is_not_carried_on(source, target, tmp_path, path):
         transfer_store(Store.open(folder), target, SWAP, tmp_path / "out.zarr")
 
 
+@pytest.mark.slow
 def test_few_pictures_are_in_memory(source, target, tmp_path, monkeypatch):
     """However many frames a recording has, no more than a batch of pictures is read at once."""
     asked = []

@@ -65,6 +65,7 @@ def test_a_rigs_world_says_it_everywhere(tiny_store):
     assert overview(Store.open(tiny_store))["simulated_recordings"] == {"simulated": 2, "real": 0, "not_stated": 0}
 
 
+@pytest.mark.slow
 def test_a_log_that_does_not_state_it_never_says_it(unstated):
     """Neither simulated nor real: the counts say that it is not stated, and no text has a word of it."""
     for name, text in texts(unstated).items():
@@ -73,6 +74,7 @@ def test_a_log_that_does_not_state_it_never_says_it(unstated):
     assert simulated_recordings(Store.open(unstated)) == SimulatedCount(0, 0, 2)
 
 
+@pytest.mark.slow
 def test_a_mixed_store_says_how_many(mixed, tiny_folders):
     """Merging keeps what each recording states; pictures of touches are told apart."""
     store = Store.open(mixed)
@@ -88,6 +90,7 @@ def test_a_mixed_store_says_how_many(mixed, tiny_folders):
     assert simulated_sensors(store) == sorted({s for s, source in zip(sensors, sources, strict=True) if source == 0})
 
 
+@pytest.mark.slow
 def test_an_ingest_says_it(tiny_folders, tmp_path):
     """Each recording and the counts of what came in; of what was there already nothing is counted."""
     real = restated(tiny_folders[1], tmp_path / "real", "Real")

@@ -50,6 +50,7 @@ def test_without_the_corpus_bundled_pictures_stand_in(tiny_store, elsewhere):
         assert "Sudharshan Suresh" in target.attribution
 
 
+@pytest.mark.slow
 def test_an_imported_corpus_beside_the_store_is_taken(tiny_store, corpus, elsewhere):
     """With YCB-Slide in the working folder, A is its unit 0; its unit 4 was not imported, so B stays bundled."""
     copy_tree(corpus, elsewhere / "ycb.zarr")

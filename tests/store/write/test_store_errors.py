@@ -112,6 +112,7 @@ def test_reading_needs_no_lock(tmp_path: Path) -> None:
         assert Store.open(tmp_path).n_frames == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("limit", [200, 3000])
 def test_full_disk(tmp_path: Path, limit: int) -> None:
     """Where files cannot grow, the error says so, the store stays as it was, and the same commit works later."""
