@@ -51,6 +51,7 @@ def test_the_table_has_our_answers_to_the_same_cases(tmp_path, capsys):
     assert "+42" in row
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("said", [[], ["lag"]])
 def test_a_method_is_judged_by_its_own_names(tmp_path, said):
     """The answer of another method is right or wrong by its own names, whatever our answer to the case is."""

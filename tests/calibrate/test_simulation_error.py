@@ -28,6 +28,7 @@ def known():
     return fitted(ClosedFormWorld().measured())
 
 
+@pytest.mark.slow
 def test_they_hold_a_truth_whose_force_law_is_off(known):
     """Measured by another law of the force, 1.5 deviations away: the plain interval loses what the wider one holds."""
     loss, found, ends = fitted(numerical.with_law_error(ClosedFormWorld().measured(), 0.09))

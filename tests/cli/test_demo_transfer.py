@@ -62,6 +62,7 @@ def test_a_used_picture_is_no_target(tiny_world):
     assert unused_target(replace(tiny_world, sensors=every)) is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("missing", "says"),
     [

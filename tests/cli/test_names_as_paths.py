@@ -39,6 +39,7 @@ def outside(workplace):
     }
 
 
+@pytest.mark.slow
 def test_names_arrive_as_they_are(workplace):
     """The store keeps the names, slashes and all, so that what follows is about them."""
     kept = set(Store.open(workplace / "ds.zarr").trajectories(["trajectory"])["trajectory"].to_pylist())

@@ -77,6 +77,7 @@ def run_code(capsys, text, marks):
             exec(compile(block, "page", "exec"), {"__name__": "page"})
 
 
+@pytest.mark.slow
 def test_every_step_that_is_printed_runs(store, capsys):
     """Every next step of ingest and `info` ends with exit code 0; where no split can be drawn none is named.
 

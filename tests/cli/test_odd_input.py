@@ -9,6 +9,7 @@ import pytest
 from bench import command
 
 
+@pytest.mark.slow
 def test_very_long_and_unicode_names_survive(bench, capsys):
     """A recording, a trajectory and a sensor with names of other scripts and 150 letters come through as they are."""
     name = "Prüfung-测试-🤖-" + "x" * 130

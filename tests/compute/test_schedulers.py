@@ -68,6 +68,7 @@ def test_dask_outcomes_equal_local_ones():
         check(list(SCHEDULERS["dask"](cluster.scheduler_address).outcomes(halve, range(10))))
 
 
+@pytest.mark.slow
 def test_a_worker_that_dies_is_named():
     """A worker killed by the system ends the run with advice, not a traceback of the pool."""
     with pytest.raises(TactileDataError, match="memory"):

@@ -184,6 +184,7 @@ def test_numbers_with_an_exponent_are_numbers(number):
     assert parse_document(f"a: '{number}'", "x.yaml") == {"a": number}
 
 
+@pytest.mark.slow
 @given(PLAIN)
 def test_json_is_read_as_it_is(value):
     """Whatever a JSON document holds comes back from the parser of documents, escapes and exponents included."""

@@ -53,6 +53,7 @@ def test_each_indenter_gets_its_own_offset_back(quiet):
     assert said.endswith("numbers may be 0.")
 
 
+@pytest.mark.slow
 def test_nothing_is_missing_where_every_indenter_sits_as_told(quiet):
     """What two contact laws disagree in is given no name, however many numbers there are."""
     found = Answer(name_effects(quiet, START, NamingOptions(effects=FEW, profile=False)))

@@ -32,6 +32,7 @@ def rippled(seed=0, size=1.0):
     return table.assign(angle_rad=angle, fz_observed_N=table.fz_observed_N + ripple)
 
 
+@pytest.mark.slow
 def test_what_only_a_black_box_foresees_is_structured_and_not_named():
     """Ripple that no locator sees; the page, the document and the exit code agree. Without it nothing is found."""
     table = residuals_of(rippled())

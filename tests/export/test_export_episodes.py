@@ -108,6 +108,7 @@ def test_choices_of_frames_are_refused_for_whole_recordings(parted, tmp_path):
             export(parted, "mcap", tmp_path / "out", **options)
 
 
+@pytest.mark.slow
 def test_several_cameras_must_be_named(tmp_path):
     """Of two cameras one is named, and only its frames go out."""
     store = split_store(tmp_path / "ds.zarr", n_sources=4, cameras=("digit", "other"))

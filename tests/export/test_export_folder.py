@@ -142,6 +142,7 @@ def test_the_same_export_again_writes_nothing(parted, tmp_path):
     assert list(out.glob("*.tar"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", ["a file", "other files", "another export", "a damaged export"])
 def test_nothing_else_is_overwritten(what, parted, tmp_path):
     """What is no export of ours stays, with --replace too; another export stays without it."""
@@ -203,6 +204,7 @@ def test_two_at_one_place(parted, tmp_path):
     assert (tmp_path / ".other.exporting" / "mine.txt").read_text() == "mine"
 
 
+@pytest.mark.slow
 def test_what_another_plan_left_is_not_taken(parted, tmp_path, monkeypatch):
     """Files of an interrupted export with other options do not get into the next."""
     exporter = EXPORTERS["webdataset"]

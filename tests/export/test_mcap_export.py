@@ -119,6 +119,7 @@ def test_the_page_shows_lines_that_run(world, monkeypatch, capsys):
     assert "/joint_states" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("encoding", ["png", "raw"])
 def test_signals_of_any_name_come_back_by_the_mapping(encoding, tmp_path):
     """Cameras without a tactile name and signals of any name are read back by the mapping beside the files."""

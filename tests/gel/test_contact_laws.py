@@ -43,6 +43,7 @@ def test_base_bears_what_the_surface_is_pressed_with():
     assert np.abs(moments).max() < 1e-8 * whole * mesh.thickness
 
 
+@pytest.mark.slow
 def test_wrench_is_what_the_nodes_feel(engine):
     """The wrench is the sum of the nodes' forces, turned round; its torque that of their displaced places."""
     history = pressed(engine, BALL, SHEARED, 0.6)

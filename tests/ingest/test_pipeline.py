@@ -26,6 +26,7 @@ def manifest(store):
     return (store / "manifest.json").read_bytes()
 
 
+@pytest.mark.slow
 def test_the_truth_comes_back(tiny_mcaps, tiny_store):
     """Every trajectory's contact wrench in the gel frame equals the rig's truth within the sensor's noise."""
     store = Store.open(tiny_store)

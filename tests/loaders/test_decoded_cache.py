@@ -64,6 +64,7 @@ def slots(cache):
     return path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("encoding", ["png", "jpeg", "raw"])
 @pytest.mark.parametrize("size", [None, (7, 5)])
 def test_cached_is_decoded_to_the_byte(tmp_path, monkeypatch, encoding, size):

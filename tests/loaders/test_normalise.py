@@ -106,6 +106,7 @@ def test_values_outside_train_change_nothing(tmp_path, monkeypatch):
     assert TactileArrays(tmp_path / "c.zarr", "default/train", "wrench", normalise=True).normalisers != calm.normalisers
 
 
+@pytest.mark.slow
 def test_native_rate_signals_have_their_own_scale(place):
     """In trajectory mode a signal is scaled by its native samples in train trajectories."""
     arrays = TactileArrays(place, "default/train", "wrench", unit="trajectory", missing="keep", normalise=True)

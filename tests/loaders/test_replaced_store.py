@@ -25,6 +25,7 @@ def place(tiny_mcaps, tmp_path):
     return tmp_path / "ds.zarr"
 
 
+@pytest.mark.slow
 def test_another_process_after_an_append_reads_the_same(place, tiny_mcaps):
     """What was appended meanwhile does not disturb (the negative control)."""
     dataset = TactileArrays(place, split="default/train", streams=STREAMS)

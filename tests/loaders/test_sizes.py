@@ -24,6 +24,7 @@ def mapping(sensor, folder):
     return {"format": "tactiledata-mapping/1", "images": {"digit": {"topic": folder.name, "sensor": sensor}}}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("sensors", "sizes", "advice"),
     [

@@ -131,6 +131,7 @@ def test_one_store_call_a_batch(place, monkeypatch):
     assert [len(rows) for rows in calls] == [16]
 
 
+@pytest.mark.slow
 def test_collating_frames_is_stacking(place):
     """The quick way of `collate` gives what torch's own collate gives."""
     dataset = TactileDataset(place, "default/train", STREAMS)

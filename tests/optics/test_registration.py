@@ -58,6 +58,7 @@ def test_a_planted_affine_view_is_found():
     assert found.touches == 10
 
 
+@pytest.mark.slow
 def test_a_planted_shift_is_found_whichever_way_the_picture_is_mirrored():
     """Started from the wrong mirror image, the right one is taken; the other explains far less."""
     for mirrored in (True, False):

@@ -48,6 +48,7 @@ def readings_of(store, name="wrench"):
     return signal.t_ns(0, signal.n_rows), signal.values(0, signal.n_rows)
 
 
+@pytest.mark.slow
 def test_nothing_planted_changes_no_number(store, tmp_path):
     """A copy with nothing planted has the same readings, contact wrenches, images and forces, bit for bit."""
     copy = planted(store, tmp_path / "copy.zarr", "nothing", 0.0)
@@ -86,6 +87,7 @@ def test_every_effect_changes_the_contact_wrench(store, tmp_path, effect):
     assert copy.encoded([3]) == store.encoded([3])
 
 
+@pytest.mark.slow
 def test_a_relabelled_thickness_changes_what_is_stated_alone(store, tmp_path):
     """The gel is stated thicker by the share, by sensor and by recording; no reading changes."""
     copy = planted(store, tmp_path / "copy.zarr", "thickness", 0.2)

@@ -94,6 +94,7 @@ def test_other_gels_are_played_where_effects_take_part_that_need_them(tmp_path, 
     assert len(asked[0]) > 5
 
 
+@pytest.mark.slow
 def test_a_diagnosis_sees_readings_and_plan_alone(tmp_path, monkeypatch):
     """The task of a diagnosis works in a folder without labels, draws and seal: it reads the case, and no more."""
     folder = sealed_proof(tmp_path / "proof")

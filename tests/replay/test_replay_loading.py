@@ -14,6 +14,7 @@ from tactiledata.store.read.reader import Store
 STREAMS = ["digit", "contact_wrench", "mesh", "mesh_wrench", "contact_mask"]
 
 
+@pytest.mark.slow
 def test_items_are_the_rows_of_the_mesh(replayed):
     """Items hold the mesh's rows of their frames, one by one and as a whole trajectory."""
     mesh = Store.open(replayed).mesh("coarse")

@@ -64,6 +64,7 @@ def plain():
     return played(trajectories=TWICE)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", HIDDEN_EFFECTS)
 def test_every_effect_changes_the_readings_or_the_stamps(name, plain):
     """Each effect at its strongest changes a log of two touches, and the same seed gives the same numbers."""

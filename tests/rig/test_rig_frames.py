@@ -77,6 +77,7 @@ def truth_of(log: Path) -> pd.DataFrame:
     return table[table.stream == "wrench"].reset_index(drop=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sign", ["load_on_sensor", "reaction"])
 @pytest.mark.parametrize("tare", ["log", "trajectory"])
 def test_contact_is_recovered_from_the_log_alone(tmp_path, sign, tare):

@@ -203,6 +203,7 @@ def test_progress_ends_at_the_number_of_trajectories(tmp_path):
     assert [done for done, _ in seen] == sorted(done for done, _ in seen)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("encoding", "said"), [("rgb8", "rgb8"), ("bgr8", "bgr8")])
 def test_raw_images_say_what_they_are(tmp_path, encoding, said):
     """Raw pictures in either order of channels are the same picture."""

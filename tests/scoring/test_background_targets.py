@@ -53,6 +53,7 @@ def test_each_set_says_what_it_is(both):
     }
 
 
+@pytest.mark.slow
 def test_a_store_that_states_nothing_holds_recordings(tmp_path):
     """Negative control: without a description that says simulated, sets are recorded."""
     store = write_loader_store(tmp_path / "ds.zarr")

@@ -33,6 +33,7 @@ def by_method(scores):
     return {(score.first.rpartition(" ")[2], score.score.name): score.interval.value for score in scores}
 
 
+@pytest.mark.slow
 def test_a_vanished_touch_is_punished_and_a_kept_one_is_not(folder):
     """Without a contact strength and overlap are 0, by `relit` both are near 1; recorded sets have no such score."""
     store = Store.open(folder / "both.zarr")

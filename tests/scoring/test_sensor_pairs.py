@@ -58,6 +58,7 @@ def store(tmp_path_factory):
     return Store.open(folder / "both.zarr")
 
 
+@pytest.mark.slow
 def test_sets_keep_recorded_and_transferred_apart(store):
     """Two sensors and what was made of one: three sets, of whole frames in contact, each with its own trajectories."""
     sets = {one.name: one for one in sensor_sets(store, 1000)}

@@ -135,6 +135,7 @@ def test_two_contacts_of_one_unit_differ():
     assert shows_contact(contact_picture("limitation_raw_digit"), contact_picture("digit_raw")).is_contact
 
 
+@pytest.mark.slow
 def test_weak_contact_is_seen_on_every_unit(backgrounds, filled_in):
     """The real contact at a quarter of its strength is seen on all 18 bundled pictures, under noise and JPEG."""
     rng = np.random.default_rng(3)

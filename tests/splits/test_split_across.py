@@ -32,6 +32,7 @@ def copied(stores, tmp_path):
     return [Store.open(tmp_path / "both" / f"{name}.zarr") for name in ("children", "parents")]
 
 
+@pytest.mark.slow
 def test_the_same_draw_stands_together(copied):
     """Stores split alone with one seed and fractions have no child away from its parent."""
     for store in copied:

@@ -59,6 +59,7 @@ def test_every_trajectory_is_in_one_part_or_none(rows, held_out):
         assert set(table["partition"].to_pylist()) <= {*PARTITIONS, EXCLUDED}
 
 
+@pytest.mark.slow
 @FEW
 @given(stores(orphans=True), held, st.randoms(use_true_random=False))
 def test_order_moves_nobody(rows, held_out, random):

@@ -65,6 +65,7 @@ def documents_said(folder: Path) -> set[str]:
     return {finding.code for finding in (*document_findings(store), *split_findings(store))} - {"store-no-digest"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("document", DOCUMENTS)
 def test_every_bit_counts(folder: Path, document: str) -> None:
     """Each of 200 bits (67 in `make quick`) drawn from a document that flips is reported by its checks."""

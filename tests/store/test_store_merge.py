@@ -53,6 +53,7 @@ def test_merge_is_ingest_of_both(tmp_path: Path, left: list[int], right: list[in
     assert ("merge-twice" in {found.code for found in findings}) == bool(set(left) & set(right))
 
 
+@pytest.mark.slow
 def test_merge_again_changes_nothing(tmp_path: Path) -> None:
     """A merge that ran to its end and runs again leaves the store as it is."""
     stores = [made(tmp_path / "a", [1]), made(tmp_path / "b", [2])]

@@ -37,6 +37,7 @@ def contents(store):
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("file", READS)
 def test_a_pointer_is_named_where_it_is_read_and_by_check(store, file):
     """The error and the check name the file and what fetches it, and nothing is mended away."""
@@ -77,6 +78,7 @@ def test_a_merge_takes_no_pointer_for_content(store, tmp_path):
         merge([store], tmp_path / "new.zarr")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("file", [file for file in READS if file != "manifest.json"])
 def test_the_remedy_is_said_once(store, file):
     """Whatever else follows from a pointer, one finding alone says what fetches it, and none says to restore a copy."""

@@ -115,6 +115,7 @@ def test_remote_store_reads_the_same(folder: Path, url: str) -> None:
     assert check(remote) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("url", ["memory", "http"], indirect=True)
 def test_remote_place_without_store(url: str) -> None:
     """A URL without a store is an error, not a traceback of the protocol."""

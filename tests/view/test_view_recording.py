@@ -73,6 +73,7 @@ def test_every_trajectory_is_there_once(seen):
     assert (len(report.trajectories), report.found, report.pictures) == (len(views), len(views), store.n_frames)
 
 
+@pytest.mark.slow
 def test_pictures_are_the_bytes_that_came(seen):
     """Pictures stand at the moments of their frames, on both time lines, byte for byte as the store has them."""
     views, _, store = seen

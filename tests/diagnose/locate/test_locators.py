@@ -183,6 +183,7 @@ def test_a_step_at_a_change_of_label_says_so():
     assert abs(step.after - 30) <= 2
 
 
+@pytest.mark.slow
 def test_step_false_alarms(nulls):
     """False alarms stay at 5 % over all parameters."""
     found = [change_points(projection, seed=seed, draws=199) for seed, (_, projection) in enumerate(nulls)]

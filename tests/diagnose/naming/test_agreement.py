@@ -68,6 +68,7 @@ def trend_of(seed, growth, by_indenter=0.0):
     return strength_trend(plain_metric(), change, noisy, seconds, indenter)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("growth", [0.0, 0.3, -0.5])
 def test_a_planted_trend_is_found_within_its_error(growth):
     """200 worlds in which indenters follow one another: what differs by indenter is no trend."""

@@ -54,6 +54,7 @@ def blamed(factor):
     return one, white, fit, shares
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_planted_factor_is_found_at_its_indenter(sign):
     """Most of it is in the wrench that the fit attributes to errors of that indenter, beside those of the others.

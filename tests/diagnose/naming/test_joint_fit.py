@@ -89,6 +89,7 @@ def test_a_fit_stands_where_the_cost_is_least(late):
             assert rise == pytest.approx(1.0, abs=0.2), (entry, rise)
 
 
+@pytest.mark.slow
 def test_a_refit_reaches_what_the_screen_promises(late):
     """The cost falls by the score of a small effect, or a little more where it is not linear: nothing is lost."""
     white, base = late

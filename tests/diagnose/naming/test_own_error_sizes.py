@@ -32,6 +32,7 @@ def test_noise_alone_asks_for_the_smallest_size():
     assert estimated({}) == pytest.approx(dict.fromkeys(NAMES, SMALLEST), rel=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1])
 def test_factors_are_found_under_their_indenter(seed):
     """Forces that are wrong from touch to touch under one ball make its size large, and leave those of the others.

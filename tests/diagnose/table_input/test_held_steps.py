@@ -23,6 +23,7 @@ def terms(**planted):
     return list(open_form(read.residuals, time=read.columns.time).terms)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", LAWS)
 def test_a_creep_after_each_step_is_named_with_its_rate(law):
     """A creep of 0.1 N/min in 11 groups gives one term, in plain words, off by at most two half widths."""

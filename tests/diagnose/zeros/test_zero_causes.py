@@ -133,6 +133,7 @@ def test_recorded_tools_are_weighed(tmp_path):
     assert not zero_causes(StoreReadings(opened(recorded_store(tmp_path / "b", generate=turned))).zeros())
 
 
+@pytest.mark.slow
 def test_lost_poses_are_passed_over(tiny_store, monkeypatch):
     """Poses of zeros, as a driver sends where it lost the arm, are no rotations: the zeros are those of the others."""
     whole = StoreReadings(opened(tiny_store)).zeros()

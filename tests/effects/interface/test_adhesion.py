@@ -28,6 +28,7 @@ def test_jkr_is_the_branch_of_large_contacts():
     assert jkr_force(np.array([depth.min() * 1.01]), RADIUS, MODULUS, np.array([WORK]))[0] == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("work", [0.02, 0.5, 2.0])
 @pytest.mark.parametrize("radius", [0.002, 0.01])
 def test_a_ball_lets_go_at_johnsons_force(work, radius):

@@ -29,6 +29,7 @@ def test_sound_recordings_say_nothing(tiny_folders, tmp_path):
     assert said(tiny_folders[0], tmp_path) == set()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "code"),
     [
@@ -46,6 +47,7 @@ def test_a_force_sensor_on_another_clock(tiny_folders, tmp_path, change, code):
     assert said(log, tmp_path) == {(code, "wrench")}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("stream", "also"), [("wrench", set()), ("tcp", {("no-free-air", "wrench")})])
 def test_a_recorder_that_stopped(tiny_folders, tmp_path, stream, also):
     """A table that ends, line by line whole, in the middle of the recording; without poses no weight is taken off."""

@@ -30,6 +30,7 @@ def test_swapped_sensors_are_said(tiny_folders, tmp_path):
     assert conflicts(ingest([swapped], tmp_path / "ds.zarr")) == []
 
 
+@pytest.mark.slow
 def test_a_signal_that_means_something_else_is_said_once(tiny_folders, tmp_path):
     """The wrench in another frame is kept apart, with a word about it and none for its values at the frames."""
     other = copy_tree(tiny_folders[1], tmp_path / "other")

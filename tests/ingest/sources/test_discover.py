@@ -3,11 +3,13 @@
 import shutil
 from pathlib import Path
 
+import pytest
 from copied_trees import copy_tree
 
 from tactiledata.ingest.sources.discover import find_sources
 
 
+@pytest.mark.slow
 def test_links_that_lead_back_up_are_left(tiny_mcaps, tmp_path):
     """A link to the folder above would take in what was not named; one to a folder elsewhere is followed."""
     for place, log in zip(("named", "elsewhere"), tiny_mcaps, strict=True):
@@ -24,6 +26,7 @@ def test_links_that_lead_back_up_are_left(tiny_mcaps, tmp_path):
     assert sorted(Path(source.path).name for source in sources) == sorted(log.name for log in tiny_mcaps)
 
 
+@pytest.mark.slow
 def test_links_up_are_left_between_folder_logs_too(tiny_folders, tmp_path):
     """Folders that no format claims are searched in another place than collections of bags."""
     copy_tree(tiny_folders[0], tmp_path / "named" / "log")

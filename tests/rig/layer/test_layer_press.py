@@ -93,6 +93,7 @@ def test_a_symmetric_press_pulls_nowhere(sheared):
     assert np.abs(wrench[3:]).max() < 2e-6 * wrench[2]
 
 
+@pytest.mark.slow
 def test_the_layer_is_in_balance(sheared):
     """Inside nothing is left over, and what the base holds is what the indenter gives."""
     layer, _, states = sheared

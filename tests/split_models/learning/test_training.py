@@ -36,6 +36,7 @@ def environment(**more):
     return {**os.environ, "PYTHONPATH": f"{root}{os.pathsep}{LEARNER.parent}", "OMP_NUM_THREADS": "1", **more}
 
 
+@pytest.mark.slow
 def test_it_learns_and_writes_its_curve(tmp_path):
     """Loss falls; curve.csv and curve.json hold a row an epoch; the learning rate decays by its factor."""
     trained = learn(tmp_path, epochs=12)
@@ -48,6 +49,7 @@ def test_it_learns_and_writes_its_curve(tmp_path):
     assert trained.best_epoch == min(range(12), key=lambda epoch: trained.rows[epoch]["val_loss"])
 
 
+@pytest.mark.slow
 def test_one_cycle_of_the_learning_rate(tmp_path):
     """Up over the first tenth of all epochs and down again to the end, step by step; a decay holds for an epoch."""
     once = TrainOptions(20, 8, learning_rate=0.01, schedule="one_cycle")
@@ -62,6 +64,7 @@ def test_one_cycle_of_the_learning_rate(tmp_path):
     assert trained.rows[-1]["learning_rate"] < 0.2 * trained.rows[2]["learning_rate"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pieces", [2, 3, 8, 50])
 def test_a_batch_in_pieces_teaches_what_it_teaches_whole(tmp_path, pieces):
     """Losses and weights are the same to rounding, also where pieces differ in size; each piece is as small as said."""

@@ -100,6 +100,7 @@ def test_a_variant_has_rows_of_its_own(touch_store, out):
     assert len(set(values)) == 3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kinds", "title"),
     [

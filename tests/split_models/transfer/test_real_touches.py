@@ -52,6 +52,7 @@ def test_the_default_keeps_real_touches(default, samples, target):
         assert kept.overlap >= 0.75, kept
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["no_contact", "latent_on_background", "adain"])
 def test_methods_that_lose_real_touches_are_found(samples, name):
     """Negative control: the same measure finds that these methods do not keep the touch, and warns."""

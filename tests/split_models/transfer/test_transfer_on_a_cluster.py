@@ -61,6 +61,7 @@ def test_a_source_that_changed_is_refused(source, target, tmp_path):
     assert not (tmp_path / "out.zarr").exists()
 
 
+@pytest.mark.slow
 def test_a_scheduler_that_does_not_answer_leaves_nothing(source, target, tmp_path, monkeypatch):
     """A store that was begun for it is gone again, with the folder above; one that was there keeps what it had."""
     pytest.importorskip("distributed")

@@ -52,6 +52,7 @@ def made(source, target, tmp_path_factory):
     return Store.open(out)
 
 
+@pytest.mark.slow
 def test_every_touch_is_there_once(source, made):
     """Frames of trajectories with a whole picture are there in order, with the parents' times and forces."""
     rows = made.frame_values("parent_row")[:, 0].astype(int)
@@ -118,6 +119,7 @@ def test_target_is_a_sensor_of_the_store(made, target):
     assert (settings["method"], settings["target"]) == ("background_swap", "T1")
 
 
+@pytest.mark.slow
 def test_to_itself_changes_nothing(source, tmp_path):
     """A sensor transferred to itself gives its own pictures back."""
     out = tmp_path / "same.zarr"
@@ -170,6 +172,7 @@ def test_children_stand_with_their_parents(both):
     assert audit(both, images=False).leaks == ()
 
 
+@pytest.mark.slow
 def test_a_child_away_from_its_parent_is_caught(both):
     """A split whose table parts one child from its parent is found by the audit, and named."""
     split = read_split(both, "default")
