@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -32,9 +32,6 @@ from tactiledata.gel.mesh.pad import PadMesh
 if TYPE_CHECKING:
     from tactiledata.gel.engines.fem import FemEngine
     from tactiledata.gel.flex.engine import FlexEngine
-
-LARGEST_PART, LARGEST_LINEAR_PART = 16, 64
-"""Largest numbers of touches in one batch: as many as advance in lockstep, more by the quick linear engine."""
 
 
 @dataclass(frozen=True)
@@ -84,8 +81,7 @@ def play_nodes(
     nodes : sequence of Node
         Nodes of one nu and mu must follow one another.
     runner : Scheduler, optional
-        Where the batches run, each of one nu and mu and a part of the touches; in this process where it is
-        ``None``.
+        Where the batches run, each of one nu and mu; in this process where it is ``None``.
     report_progress : callable
         Called with the number of finished plays of touches, their total and a label.
 
@@ -94,32 +90,24 @@ def play_nodes(
     Exception
         The error of a batch that failed.
     """
-    # the touches of each pair of nu and mu at all its offsets, in parts that keep all workers busy to the end
-    groups = [
-        list(group) for _, group in itertools.groupby(nodes, key=lambda node: (node.poisson_ratio, node.friction))
-    ]
-    most = LARGEST_LINEAR_PART if mechanics == "linear" else LARGEST_PART
-    batches = [
-        PlayBatch(mesh, mechanics, group[0].poisson_ratio, group[0].friction, part)
-        for group in groups
-        for part in _parts(tuple(touch.deeper(node.offset) for node in group for touch in touches), most)
-    ]
+    # one batch for each pair of nu and mu: its touches at all its offsets
+    batches, members = [], []
+    for (ratio, friction), group in itertools.groupby(nodes, key=lambda node: (node.poisson_ratio, node.friction)):
+        members.append(list(group))
+        shifted = tuple(touch.deeper(node.offset) for node in members[-1] for touch in touches)
+        batches.append(PlayBatch(mesh, mechanics, ratio, friction, shifted))
     # run the batches, and sort their plays by node
-    finished: list[Play] = []
+    plays_of: dict[Node, list[Play]] = {}
     paths = [path for batch in batches for path in batch_paths(batch)]
+    outcomes = (runner or LocalScheduler()).outcomes(play_batch, batches, len(batches))
     with PlayProgress(paths, report_progress) as progress:
-        for outcome in (runner or LocalScheduler()).outcomes(play_batch, batches, len(batches)):
-            finished += outcome.value
-            progress.finished(len(finished), f"nu {outcome.task.ratio:.3f}, mu {outcome.task.friction:.2f}")
-    plays = iter(finished)
-    return {node: list(itertools.islice(plays, len(touches))) for group in groups for node in group}
-
-
-def _parts(touches: tuple[GelTouch, ...], most: int) -> Iterator[tuple[GelTouch, ...]]:
-    """Yield touches in as few parts of nearly the same size as hold at most ``most`` each."""
-    count = -(-len(touches) // most)
-    ends = [len(touches) * number // count for number in range(count + 1)]
-    yield from (touches[first:last] for first, last in itertools.pairwise(ends))
+        for batch_nodes, outcome in zip(members, outcomes, strict=True):
+            plays = iter(outcome.value)
+            for node in batch_nodes:
+                plays_of[node] = list(itertools.islice(plays, len(touches)))
+            finished = len(plays_of) * len(touches)
+            progress.finished(finished, f"nu {outcome.task.ratio:.3f}, mu {outcome.task.friction:.2f}")
+    return plays_of
 
 
 @dataclass(frozen=True)
