@@ -149,7 +149,7 @@ class Transform:
 def _turned(x: float, y: float, z: float, w: float) -> Array:
     """Return the rotation matrix (3, 3) of a quaternion, normalised here.
 
-    Every command reads descriptions, and importing scipy's rotations takes a third of the time in which one starts.
+    Every command reads descriptions, and importing scipy's rotations for that would make each start later.
     """
     length = math.sqrt(x * x + y * y + z * z + w * w)
     x, y, z, w = x / length, y / length, z / length, w / length

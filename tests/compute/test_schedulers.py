@@ -75,7 +75,6 @@ def test_a_worker_that_dies_is_named():
         list(SCHEDULERS["local"](2).outcomes(die, range(8)))
 
 
-@pytest.mark.slow
 def test_zero_workers_is_refused():
     """Zero workers is a usage error."""
     with pytest.raises(UsageError, match="at least 1"):

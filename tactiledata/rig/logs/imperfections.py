@@ -78,7 +78,7 @@ def coloured_noise(
     rng : Generator
         Draws the noise.
     """
-    from scipy.signal import lfilter  # imported where it is needed: it takes a third of the time of a short command
+    from scipy.signal import lfilter  # imported where noise is drawn, which few commands do
 
     white = rng.standard_normal((count, len(scale)))
     memory = float(np.exp(-1.0 / (rate * setup.correlation_time)))
