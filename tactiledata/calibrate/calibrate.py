@@ -164,7 +164,8 @@ def check_interpolation(
     modulus, ratio, friction = (float(value) for value in optimum.parameters)
     # rounded to nanometres, so that a fit repeated elsewhere finds the same kept plays
     offsets = np.round(optimum.offsets, 9)
-    plays = play_at(measured.mesh, options.mechanics, experiment.touches, ratio, friction, offsets)
+    runner = make_scheduler(options.workers, options.scheduler)
+    plays = play_at(measured.mesh, options.mechanics, experiment.touches, ratio, friction, offsets, runner)
     played = modulus * experiment.rows([play.wrench for play in plays])
     response = experiment.response
     interpolated = modulus * response.at(ratio, friction).at(np.repeat(offsets, response.counts))

@@ -30,3 +30,20 @@ def no_progress(done: int, total: int, what: str = "") -> None:
     done, total, what
         As `Progress` describes them; none is used.
     """
+
+
+def following(progress: Progress, finished: int) -> Progress:
+    """Return the progress of further work whose counts go on from those of earlier work.
+
+    Parameters
+    ----------
+    progress : Progress
+        Is called with the counts of both.
+    finished : int
+        Pieces of the earlier work.
+    """
+
+    def follow(done: int, total: int, what: str = "", /) -> None:
+        progress(finished + done, finished + total, what)
+
+    return follow

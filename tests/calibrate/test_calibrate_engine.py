@@ -14,7 +14,7 @@ from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.calibrate.page import calibration_page
 from tactiledata.calibrate.plays import player
 from tactiledata.calibrate.plays.kept_plays import load_play, play_path
-from tactiledata.calibrate.plays.player import PlayBatch, play_at, play_batch
+from tactiledata.calibrate.plays.player import PlayBatch, play_at
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.errors import TactileDataError
 from tactiledata.gel.contact.history import GelTouch
@@ -102,7 +102,7 @@ def test_a_broken_file_is_played_again(calibration, measured):
     assert whole is not None
     path.write_bytes(path.read_bytes()[:50])
     assert load_play(path) is None
-    again = play_batch(PlayBatch(PAD, "linear", 0.4725, 0.7, (touch,)))[0]
+    again = PlayBatch(PAD, "linear", 0.4725, 0.7, (touch,)).play()[0]
     assert np.allclose(again.wrench, whole.wrench, rtol=1e-9, atol=1e-18)
 
 
@@ -148,7 +148,7 @@ def test_touches_are_played_by_the_flex():
         pytest.skip("MuJoCo is not installed")
     touch = pressed(0.4e-3, 0.0, (0.0, 0.0), frames=4)
     flex, again, fem = (
-        play_batch(PlayBatch(PAD, mechanics, 0.46, 0.7, (touch,)))[0]
+        PlayBatch(PAD, mechanics, 0.46, 0.7, (touch,)).play()[0]
         for mechanics in ("mujoco-flex", "mujoco-flex", "finite-strain")
     )
     np.testing.assert_array_equal(flex.wrench, again.wrench)

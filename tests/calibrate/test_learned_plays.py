@@ -159,26 +159,29 @@ def counted(monkeypatch):
     plays = {}
     wild = set()
 
-    def play(mesh, mechanics, touches, nodes, runner, report):
-        found = {}
-        for node in nodes:
-            key = mechanics, node
-            plays[key] = plays.get(key, 0) + len(touches)
-            nu, mu, z = node.poisson_ratio - 0.47, node.friction - 0.6, node.offset / 5e-5
-            found[node] = []
-            for touch in touches:
-                place = float(touch.uid)
-                load = (1.3 if mechanics == "finite-strain" else 1.0) * (2.0 + np.arange(3.0) + 0.1 * place)
-                load = load * (1 + 3 * nu + 0.4 * mu + 0.2 * z)
-                if mechanics == "finite-strain" and node in wild:
-                    load = load + np.sin(7 * place)
-                rows = np.zeros((3, 7))
-                rows[:, 2] = rows[:, 6] = load
-                found[node].append(a_play(rows))
-        report(sum(len(one) for one in found.values()), 0, "")
+    def play(mesh, requests, beside, runner, report):
+        found = [{node: played(request, node) for node in request.nodes} for request in requests]
+        count = sum(len(request.touches) * len(request.nodes) for request in requests)
+        report(count, count, "")
+        return found, []
+
+    def played(request, node):
+        key = request.mechanics, node
+        plays[key] = plays.get(key, 0) + len(request.touches)
+        nu, mu, z = node.poisson_ratio - 0.47, node.friction - 0.6, node.offset / 5e-5
+        found = []
+        for touch in request.touches:
+            place = float(touch.uid)
+            load = (1.3 if request.mechanics == "finite-strain" else 1.0) * (2.0 + np.arange(3.0) + 0.1 * place)
+            load = load * (1 + 3 * nu + 0.4 * mu + 0.2 * z)
+            if request.mechanics == "finite-strain" and node in wild:
+                load = load + np.sin(7 * place)
+            rows = np.zeros((3, 7))
+            rows[:, 2] = rows[:, 6] = load
+            found.append(a_play(rows))
         return found
 
-    monkeypatch.setattr(player, "play_nodes", play)
+    monkeypatch.setattr(player, "play_requests", play)
     return plays, wild
 
 
@@ -210,8 +213,11 @@ def test_a_node_that_cannot_be_told_from_examples_is_played_for_all(counted):
     plays, wild = counted
     node = Node(0.47, 0.6, 5e-5)
     wild.add(node)
-    found = player.play_plan(None, "finite-strain", touches_of(40), PLAN, None)
+    told = []
+    found = player.play_plan(None, "finite-strain", touches_of(40), PLAN, None, lambda *one: told.append(one))
     assert plays["finite-strain", node] == 8 + 40
+    # what is told as finished goes on from the first run
+    assert [done for done, *_ in told] == [912, 952]
     assert plays["finite-strain", Node(0.47, 0.6, -5e-5)] == 8
     loads = np.array([play.wrench[1, 2] for play in found.played[node]])
     np.testing.assert_allclose(loads, 1.3 * (3.0 + 0.1 * np.arange(40)) * 1.2 + np.sin(7 * np.arange(40)))

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from tactiledata.calibrate.plan import Node
-from tactiledata.calibrate.plays import player
+from tactiledata.calibrate.plays import play_batches, player
 from tactiledata.calibrate.plays.play_progress import PlayProgress
 
 SECONDS = 10.0
@@ -48,7 +48,7 @@ def test_touches_of_a_batch_are_counted_before_it_ends(tmp_path, monkeypatch):
                     in_time.append(news.wait_for(lambda place=place: (place + 1, 4) in counts, SECONDS))
 
     monkeypatch.setattr(player, "make_engine", lambda *_: Engine())
-    monkeypatch.setattr(player, "PlayProgress", partial(PlayProgress, interval=0.01))
+    monkeypatch.setattr(play_batches, "PlayProgress", partial(PlayProgress, interval=0.01))
     nodes = [Node(0.45, 0.5, 0.0), Node(0.45, 0.5, 1e-4)]
     mesh = SimpleNamespace(digest="ab" * 32)
     found = player.play_nodes(mesh, "linear", [Touch(0.0), Touch(1.0)], nodes, None, report)

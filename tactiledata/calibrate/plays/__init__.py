@@ -2,7 +2,8 @@
 
 Read in this order:
 
-- ``player``: touches simulated at the nodes of a plan, batch by batch; ``play_progress``: how many are finished;
+- ``play_batches``: batches of touches, all simulated in one run; ``play_progress``: how many are finished;
+- ``player``: which batches the nodes of a plan ask for;
 - ``kept_plays``: the cache of simulated touches on disk, and under which key each is kept;
 - ``estimated_plays``: which nodes are simulated at finite strain, and how the others follow from them and from the
   linear engine;

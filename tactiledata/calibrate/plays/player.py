@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from tactiledata.arrays import Array
 from tactiledata.calibrate.plan import Node, ResponsePlan
@@ -17,21 +16,19 @@ from tactiledata.calibrate.plays.estimated_plays import (
     is_played,
     middle_node,
 )
-from tactiledata.calibrate.plays.kept_plays import Play, keep_play, load_play, play_path
+from tactiledata.calibrate.plays.kept_plays import Play, play_path
 from tactiledata.calibrate.plays.learned_plays import example_touches, learned_nodes
-from tactiledata.calibrate.plays.play_progress import PlayProgress
+from tactiledata.calibrate.plays.play_batches import Batch, effort_of, play_batches, played_or_kept
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.compute.base import Scheduler
-from tactiledata.compute.local import LocalScheduler
-from tactiledata.contract.progress import Progress, no_progress
+from tactiledata.contract.progress import Progress, following, no_progress
 from tactiledata.gel.contact.history import GelTouch
 from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.gel.make_engine import Mechanics, make_engine
 from tactiledata.gel.mesh.pad import PadMesh
 
-if TYPE_CHECKING:
-    from tactiledata.gel.engines.fem import FemEngine
-    from tactiledata.gel.flex.engine import FlexEngine
+MOST_TOGETHER = 16
+"""Touches at their own offsets that are simulated together, at most: workers share them."""
 
 
 @dataclass(frozen=True)
@@ -56,6 +53,104 @@ class PlayBatch:
     friction: float
     touches: tuple[GelTouch, ...]
 
+    @property
+    def paths(self) -> list[Path]:
+        """Cache file of each touch, in order."""
+        digest = self.mesh.digest
+        return [play_path(touch, digest, self.mechanics, self.ratio, self.friction) for touch in self.touches]
+
+    @property
+    def words(self) -> str:
+        """Poisson's ratio and friction, in words."""
+        return f"nu {self.ratio:.3f}, mu {self.friction:.2f}"
+
+    @property
+    def effort(self) -> float:
+        """About how long it takes, in frames of the linear engine."""
+        return effort_of(self.touches, self.mechanics == "linear", self.ratio)
+
+    def play(self) -> list[Play]:
+        """Return the plays in order, simulated with Young's modulus 1 or read from the cache."""
+        return played_or_kept(
+            self.touches,
+            self.paths,
+            GelMaterial(1.0, self.ratio, self.friction),
+            lambda: make_engine(self.mesh, self.ratio, self.mechanics),
+        )
+
+
+@dataclass(frozen=True)
+class NodeRequest:
+    """Touches that are simulated at some nodes, those of one nu and mu together: more of them advance in lockstep.
+
+    Parameters
+    ----------
+    mechanics : str
+        Engine and fidelity.
+    touches : sequence of MeasuredTouch
+        Poses and indenters.
+    nodes : sequence of Node
+        Nodes of one nu and mu must follow one another.
+    """
+
+    mechanics: Mechanics
+    touches: Sequence[MeasuredTouch]
+    nodes: Sequence[Node]
+
+    @property
+    def groups(self) -> list[list[Node]]:
+        """Nodes of each pair of nu and mu."""
+        grouped = itertools.groupby(self.nodes, key=lambda node: (node.poisson_ratio, node.friction))
+        return [list(group) for _, group in grouped]
+
+    def batches(self, mesh: PadMesh) -> list[PlayBatch]:
+        """Return one batch for each pair of nu and mu: its touches at all its offsets."""
+        batches = []
+        for group in self.groups:
+            shifted = tuple(touch.deeper(node.offset) for node in group for touch in self.touches)
+            batches.append(PlayBatch(mesh, self.mechanics, group[0].poisson_ratio, group[0].friction, shifted))
+        return batches
+
+    def by_node(self, plays: Iterator[list[Play]]) -> dict[Node, list[Play]]:
+        """Return the plays of each node in the order of the touches, taken from those of the batches in order."""
+        found: dict[Node, list[Play]] = {}
+        for group in self.groups:
+            of_batch = iter(next(plays))
+            found |= {node: list(itertools.islice(of_batch, len(self.touches))) for node in group}
+        return found
+
+
+def play_requests(
+    mesh: PadMesh,
+    requests: Sequence[NodeRequest],
+    beside: Sequence[Batch] = (),
+    runner: Scheduler | None = None,
+    report_progress: Progress = no_progress,
+) -> tuple[list[dict[Node, list[Play]]], list[list[Play]]]:
+    """Return the plays of each request by its nodes, and those of further batches that are simulated beside them.
+
+    Parameters
+    ----------
+    mesh : PadMesh
+        Mesh of the gel.
+    requests : sequence of NodeRequest
+        Touches and nodes.
+    beside : sequence of Batch
+        Further batches.
+    runner : Scheduler, optional
+        Where all batches run; in this process where it is ``None``.
+    report_progress : Progress
+        Called with the number of finished plays of touches, their total and a label.
+
+    Raises
+    ------
+    Exception
+        The error of a batch that failed.
+    """
+    of_requests: list[Batch] = [batch for request in requests for batch in request.batches(mesh)]
+    plays = iter(play_batches([*of_requests, *beside], runner, report_progress))
+    return [request.by_node(plays) for request in requests], list(plays)
+
 
 def play_nodes(
     mesh: PadMesh,
@@ -67,47 +162,17 @@ def play_nodes(
 ) -> dict[Node, list[Play]]:
     """Simulate all touches at each node, and return the plays of each node in the order of the touches.
 
-    Nodes of one nu and mu are simulated together, so that more trajectories advance in lockstep. Finished plays are
-    kept in the cache (``TACTILEDATA_CACHE``), so that an interrupted run continues where it ended.
-
     Parameters
     ----------
     mesh : PadMesh
         Mesh of the gel.
-    mechanics : str
-        Engine and fidelity.
-    touches : sequence of MeasuredTouch
-        Poses and indenters.
-    nodes : sequence of Node
-        Nodes of one nu and mu must follow one another.
-    runner : Scheduler, optional
-        Where the batches run, each of one nu and mu; in this process where it is ``None``.
-    report_progress : callable
-        Called with the number of finished plays of touches, their total and a label.
-
-    Raises
-    ------
-    Exception
-        The error of a batch that failed.
+    mechanics, touches, nodes
+        See `NodeRequest`.
+    runner, report_progress
+        See `play_requests`; its errors as well.
     """
-    # one batch for each pair of nu and mu: its touches at all its offsets
-    batches, members = [], []
-    for (ratio, friction), group in itertools.groupby(nodes, key=lambda node: (node.poisson_ratio, node.friction)):
-        members.append(list(group))
-        shifted = tuple(touch.deeper(node.offset) for node in members[-1] for touch in touches)
-        batches.append(PlayBatch(mesh, mechanics, ratio, friction, shifted))
-    # run the batches, and sort their plays by node
-    plays_of: dict[Node, list[Play]] = {}
-    paths = [path for batch in batches for path in batch_paths(batch)]
-    outcomes = (runner or LocalScheduler()).outcomes(play_batch, batches, len(batches))
-    with PlayProgress(paths, report_progress) as progress:
-        for batch_nodes, outcome in zip(members, outcomes, strict=True):
-            plays = iter(outcome.value)
-            for node in batch_nodes:
-                plays_of[node] = list(itertools.islice(plays, len(touches)))
-            finished = len(plays_of) * len(touches)
-            progress.finished(finished, f"nu {outcome.task.ratio:.3f}, mu {outcome.task.friction:.2f}")
-    return plays_of
+    (plays,), _ = play_requests(mesh, [NodeRequest(mechanics, touches, nodes)], (), runner, report_progress)
+    return plays
 
 
 @dataclass(frozen=True)
@@ -145,9 +210,28 @@ def play_plan(
     plan: ResponsePlan,
     runner: Scheduler | None = None,
     report_progress: Progress = no_progress,
-    estimates: Estimates = "learned",
 ) -> PlanPlays:
-    """Simulate all touches at the nodes of a plan.
+    """Simulate all touches at the nodes of a plan; see `play_plan_beside`.
+
+    Parameters
+    ----------
+    mesh, mechanics, touches, plan, runner, report_progress
+        See `play_plan_beside`.
+    """
+    return play_plan_beside(mesh, mechanics, touches, plan, (), runner, report_progress)[0]
+
+
+def play_plan_beside(
+    mesh: PadMesh,
+    mechanics: Mechanics,
+    touches: Sequence[MeasuredTouch],
+    plan: ResponsePlan,
+    beside: Sequence[Batch],
+    runner: Scheduler | None = None,
+    report_progress: Progress = no_progress,
+    estimates: Estimates = "learned",
+) -> tuple[PlanPlays, list[list[Play]]]:
+    """Simulate all touches at the nodes of a plan, and further batches beside them; return the plays of both.
 
     At finite strain, only the nodes are played at which no more than one of nu, mu and offset differs from the middle,
     and all nodes by the linear engine, from which the others are estimated. Where nu or the offset differs, a few
@@ -163,6 +247,8 @@ def play_plan(
         Poses and indenters.
     plan : ResponsePlan
         Nodes over nu, mu and offset.
+    beside : sequence of Batch
+        Further batches.
     runner : Scheduler, optional
         Where the touches are simulated; in this process where it is ``None``.
     report_progress : callable
@@ -177,26 +263,21 @@ def play_plan(
     """
     nodes = list(plan.nodes())
     if mechanics != "finite-strain" or estimates == "none":
-        return PlanPlays(plan, play_nodes(mesh, mechanics, touches, nodes, runner, report_progress), {})
+        every = NodeRequest(mechanics, touches, nodes)
+        (played,), of_beside = play_requests(mesh, [every], beside, runner, report_progress)
+        return PlanPlays(plan, played, {}), of_beside
     examples = example_touches([touch.touch for touch in touches])
     chosen = [touches[place] for place in examples]
     single = [node for node in nodes if is_learned(plan, node)]
     learned = single if estimates == "learned" and len(chosen) < len(touches) else []
     not_played = single if estimates == "rough" else learned
     full = [node for node in nodes if is_played(plan, node) and node not in not_played]
-    before, total = 0, (len(full) + len(nodes)) * len(touches) + len(learned) * len(chosen)
-
-    def play(of: Mechanics, which: Sequence[Node], some: Sequence[MeasuredTouch]) -> dict[Node, list[Play]]:
-        nonlocal before
-        plays = play_nodes(
-            mesh, of, some, which, runner, lambda done, _, what="": report_progress(before + done, total, what)
-        )
-        before += len(which) * len(some)
-        return plays
-
-    played = play(mechanics, full, touches)
-    of_examples = play(mechanics, learned, chosen)
-    linear = play("linear", nodes, touches)
+    requests = [
+        NodeRequest(mechanics, touches, full),
+        NodeRequest(mechanics, chosen, learned),
+        NodeRequest("linear", touches, nodes),
+    ]
+    (played, of_examples, linear), of_beside = play_requests(mesh, requests, beside, runner, report_progress)
     # the other touches, where they can be told from the examples
     middle = middle_node(plan)
     far = []
@@ -207,9 +288,11 @@ def play_plan(
             played[node] = answer.plays
         else:
             far.append(node)
-    total += len(far) * len(touches)
-    played |= play(mechanics, far, touches)
-    return PlanPlays(plan, played, linear)
+    if far:
+        finished = sum(len(request.touches) * len(request.nodes) for request in requests)
+        finished += sum(len(batch.touches) for batch in beside)
+        played |= play_nodes(mesh, mechanics, touches, far, runner, following(report_progress, finished))
+    return PlanPlays(plan, played, linear), of_beside
 
 
 def play_at(
@@ -219,6 +302,7 @@ def play_at(
     ratio: float,
     friction: float,
     offsets: Array,
+    runner: Scheduler | None = None,
 ) -> list[Play]:
     """Simulate touches at one nu and mu, each at its own contact offset.
 
@@ -234,52 +318,12 @@ def play_at(
         Poisson's ratio and coefficient of friction of the gel.
     offsets : (t,) m
         By how much each indenter is deeper than recorded.
+    runner : Scheduler, optional
+        Where the touches are simulated; in this process where it is ``None``.
     """
     shifted = tuple(touch.deeper(float(offset)) for touch, offset in zip(touches, offsets, strict=True))
-    return play_batch(PlayBatch(mesh, mechanics, ratio, friction, shifted))
-
-
-def play_batch(batch: PlayBatch) -> list[Play]:
-    """Return the plays of a batch in its order, simulated with Young's modulus 1 or read from the cache."""
-    return played_or_kept(
-        batch.touches,
-        batch_paths(batch),
-        GelMaterial(1.0, batch.ratio, batch.friction),
-        lambda: make_engine(batch.mesh, batch.ratio, batch.mechanics),
-    )
-
-
-def batch_paths(batch: PlayBatch) -> list[Path]:
-    """Return the cache file of each touch of a batch, in its order."""
-    digest = batch.mesh.digest
-    return [play_path(touch, digest, batch.mechanics, batch.ratio, batch.friction) for touch in batch.touches]
-
-
-def played_or_kept(
-    touches: Sequence[GelTouch],
-    paths: Sequence[Path],
-    material: GelMaterial,
-    engine: Callable[[], FemEngine | FlexEngine],
-) -> list[Play]:
-    """Return the plays of touches: those in the cache are read, the others are simulated and added to it.
-
-    Parameters
-    ----------
-    touches : sequence of GelTouch
-        Poses and indenters.
-    paths : sequence of Path
-        Cache file of each touch.
-    material : GelMaterial
-        Material of the gel.
-    engine : callable
-        Makes the engine; called only where a touch must be simulated.
-    """
-    plays = {number: play for number, path in enumerate(paths) if (play := load_play(path)) is not None}
-    to_simulate = [number for number in range(len(paths)) if number not in plays]
-    if to_simulate:
-        made_engine = engine()
-        for place, history in made_engine.play([touches[number] for number in to_simulate], material, keep="none"):
-            play = Play(history.wrench, history.status, history.pressed @ made_engine.surface.patch_areas)
-            plays[to_simulate[place]] = play
-            keep_play(paths[to_simulate[place]], play)
-    return [plays[number] for number in range(len(paths))]
+    parts = max(1, -(-len(shifted) // MOST_TOGETHER))
+    batches = [PlayBatch(mesh, mechanics, ratio, friction, shifted[part::parts]) for part in range(parts)]
+    # the touches were dealt out to the parts in turn
+    plays = [iter(of_part) for of_part in play_batches(batches, runner)]
+    return [next(plays[number % parts]) for number in range(len(shifted))]

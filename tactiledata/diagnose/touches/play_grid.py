@@ -17,13 +17,14 @@ from tactiledata.calibrate.plan import Node, ResponsePlan
 from tactiledata.calibrate.plays.estimated_plays import Estimates, estimated_change, middle_node
 from tactiledata.calibrate.plays.kept_plays import Play
 from tactiledata.calibrate.plays.learned_plays import example_touches, learned_laws
-from tactiledata.calibrate.plays.player import play_plan
+from tactiledata.calibrate.plays.play_batches import play_batches
+from tactiledata.calibrate.plays.player import play_plan_beside
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.compute.base import Scheduler
-from tactiledata.contract.progress import Progress, no_progress
+from tactiledata.contract.progress import Progress, following, no_progress
 from tactiledata.diagnose.touches.grid_answer import TouchPlays
 from tactiledata.diagnose.touches.missing_frames import complete, solved
-from tactiledata.diagnose.touches.variant_plays import VariantBatch, has_own_law, is_solvable, play_variants
+from tactiledata.diagnose.touches.variant_plays import VariantBatch, has_own_law, is_solvable
 from tactiledata.effects.touch.gel_variants import contact_height
 from tactiledata.effects.touch.response import GelVariant
 from tactiledata.gel.contact.history import GelTouch
@@ -98,20 +99,15 @@ def play_touches(
 
     batches = [VariantBatch(mesh, quick, *pair, GelVariant(), tuple(group)) for group in moved]
     batches += [batch(variant, places) for variant, places in played_for.items()]
-    of_batches = sum(len(batch.touches) for batch in batches)
-    of_nodes = 0
+    asked = 0
 
-    def nodes_played(done: int, total: int, what: str = "") -> None:
-        nonlocal of_nodes
-        of_nodes = total
-        progress(done, total + of_batches, what)
-
-    def batches_played(done: int, total: int, what: str = "") -> None:
-        progress(of_nodes + done, of_nodes + total, what)
+    def counted(done: int, total: int, what: str = "", /) -> None:
+        nonlocal asked
+        asked = total
+        progress(done, total, what)
 
     # plays, each kept on disk as soon as it is finished
-    grid = play_plan(mesh, fidelity, touches, plan, runner, nodes_played, estimates)
-    played = play_variants(batches, runner, batches_played)
+    grid, played = play_plan_beside(mesh, fidelity, touches, plan, batches, runner, counted, estimates)
     of_moved, varied = played[: len(moved)], dict(zip(variants, played[len(moved) :], strict=True))
     # laws of the other touches, where they can be told from the examples
     heights = [np.nan_to_num(touch.poses[:, 2, 3]) for touch in plain]
@@ -133,9 +129,8 @@ def play_touches(
             varied[variant] = answer.plays
             if not answer.are_close:
                 far.append(variant)
-    of_nodes += of_batches
     if far:
-        again = play_variants([batch(variant, every) for variant in far], runner, batches_played)
+        again = play_batches([batch(variant, every) for variant in far], runner, following(progress, asked))
         varied |= zip(far, again, strict=True)
     # what a play has not solved is taken from the others; then the plays that were not made are estimated
     whole = [*grid.played.values(), *grid.linear.values(), *of_moved, *(varied[variant] for variant in solvable)]

@@ -12,11 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from tactiledata.calibrate.plays.kept_plays import Play, play_path
-from tactiledata.calibrate.plays.play_progress import PlayProgress
-from tactiledata.calibrate.plays.player import played_or_kept
-from tactiledata.compute.base import Scheduler
-from tactiledata.compute.local import LocalScheduler
-from tactiledata.contract.progress import Progress
+from tactiledata.calibrate.plays.play_batches import effort_of, played_or_kept
 from tactiledata.diagnose.touches.missing_frames import solved
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.base import Effect
@@ -65,6 +61,38 @@ class VariantBatch:
         """What the batch plays, in words: touches of the nominal gel are those whose paths are moved."""
         return "moved along the gel" if self.variant == GelVariant() else "gels and indenters that differ"
 
+    @property
+    def effort(self) -> float:
+        """About how long it takes, in frames of the linear engine."""
+        return effort_of(self.touches, self.fidelity == "linear", self.ratio)
+
+    @property
+    def paths(self) -> list[Path]:
+        """File in which the play of each touch is kept."""
+        variant = self.variant
+        digest = warped(self.mesh, variant).digest
+        law = (variant.c20, variant.c30, variant.skin, variant.spots)
+        # shapes of pad and indenter are part of their digests; the law of the material is not
+        mechanics = self.fidelity if law == (0.0, 0.0, 0.0, ()) else f"{self.fidelity} {law!r}"
+        return [play_path(touch, digest, mechanics, self.ratio, self.friction) for touch in self._scaled]
+
+    def play(self) -> list[Play]:
+        """Return the play of each touch, from disk where it was made before."""
+        return played_or_kept(
+            self._scaled,
+            self.paths,
+            GelMaterial(1.0, self.ratio, self.friction),
+            lambda: variant_engine(self.mesh, self.ratio, self.fidelity, self.variant),
+        )
+
+    @property
+    def _scaled(self) -> tuple[GelTouch, ...]:
+        """Touches with the indenters scaled as the variant says."""
+        scale = self.variant.indenter_scale
+        if scale == 1.0:
+            return self.touches
+        return tuple(GelTouch(scaled(touch.indenter, scale), touch.poses) for touch in self.touches)
+
 
 def design_variants(effect: Effect) -> tuple[GelVariant, ...]:
     """Return the variants that must have been played before an effect can be simulated; most effects need none."""
@@ -74,66 +102,6 @@ def design_variants(effect: Effect) -> tuple[GelVariant, ...]:
 def variants_of(names: Iterable[str]) -> tuple[GelVariant, ...]:
     """Return the variants that the effects of these names need, each once."""
     return tuple(dict.fromkeys(variant for name in names for variant in design_variants(EFFECTS[name]())))
-
-
-def play_variants(
-    batches: Sequence[VariantBatch],
-    runner: Scheduler | None,
-    progress: Progress,
-) -> list[list[Play]]:
-    """Return the plays of each batch, in order.
-
-    Parameters
-    ----------
-    batches : sequence of VariantBatch
-        Touches and gels.
-    runner : Scheduler, optional
-        Where the batches are played; in this process where it is ``None``.
-    progress : Progress
-        Called with how many plays of touches are finished, how many there are, and what was played last.
-
-    Raises
-    ------
-    Exception
-        The error of a batch that failed.
-    """
-    plays: list[list[Play]] = []
-    finished = 0
-    paths = [path for batch in batches for path in variant_paths(batch)]
-    with PlayProgress(paths, progress) as play_progress:
-        for outcome in (runner or LocalScheduler()).outcomes(play_variant, batches, len(batches)):
-            plays.append(outcome.value)
-            finished += len(outcome.task.touches)
-            play_progress.finished(finished, outcome.task.words)
-    return plays
-
-
-def play_variant(batch: VariantBatch) -> list[Play]:
-    """Return the play of each touch of a batch, from disk where it was made before."""
-    return played_or_kept(
-        _touches(batch),
-        variant_paths(batch),
-        GelMaterial(1.0, batch.ratio, batch.friction),
-        lambda: variant_engine(batch.mesh, batch.ratio, batch.fidelity, batch.variant),
-    )
-
-
-def variant_paths(batch: VariantBatch) -> list[Path]:
-    """Return the file in which the play of each touch of a batch is kept."""
-    variant = batch.variant
-    digest = warped(batch.mesh, variant).digest
-    law = (variant.c20, variant.c30, variant.skin, variant.spots)
-    # shapes of pad and indenter are part of their digests; the law of the material is not
-    mechanics = batch.fidelity if law == (0.0, 0.0, 0.0, ()) else f"{batch.fidelity} {law!r}"
-    return [play_path(touch, digest, mechanics, batch.ratio, batch.friction) for touch in _touches(batch)]
-
-
-def _touches(batch: VariantBatch) -> tuple[GelTouch, ...]:
-    """Return touches of a batch with the indenters scaled as its variant says."""
-    scale = batch.variant.indenter_scale
-    if scale == 1.0:
-        return batch.touches
-    return tuple(GelTouch(scaled(touch.indenter, scale), touch.poses) for touch in batch.touches)
 
 
 def has_own_law(variant: GelVariant) -> bool:
