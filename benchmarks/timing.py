@@ -53,9 +53,12 @@ class Seat:
 
     def _answer(self, limit: float) -> Any:
         if not self._ours.poll(limit):
+            self._process.terminate()
             raise TimeoutError(f"a contestant did not answer within {limit:.0f} s")
         outcome, value = self._ours.recv()
         if outcome == "error":
+            # its process would wait for calls that never come, and ours for its end
+            self.close()
             raise RuntimeError(f"a contestant failed: {value}")
         return value
 

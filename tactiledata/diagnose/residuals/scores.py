@@ -52,13 +52,25 @@ class Refit:
         by_unit, information_by_unit : (u, c)
             As in `Contributions`.
         """
-        moved = signs @ self.scores @ self.inverse
-        total = 2.0 * size * (moved @ np.einsum("uc,upc->pc", information_by_unit, self.together))
+        ways = self._ways
+        moved = signs @ ways.scores @ ways.inverse
+        total = 2.0 * size * (moved @ np.einsum("uc,upc->pc", information_by_unit, ways.together))
         both = np.concatenate([moved, signs], axis=1)
         for place, column in enumerate(moved.T):
-            crossed = np.concatenate([self._squares[:, place].T, -2.0 * by_unit * self.together[:, place]])
+            crossed = np.concatenate([ways._squares[:, place].T, -2.0 * by_unit * ways.together[:, place]])
             total += column[:, None] * (both @ crossed)
         return total
+
+    @cached_property
+    def _ways(self) -> Refit:
+        """The same refits by as many numbers as there are units, where the shared parameters are more.
+
+        The refit moves along the rows of ``scores @ inverse`` only, by the sign of each unit.
+        """
+        units, shared = self.scores.shape
+        if units >= shared:
+            return self
+        return Refit(np.eye(units), np.eye(units), (self.scores @ self.inverse) @ self.together)
 
     @cached_property
     def _squares(self) -> Array:
