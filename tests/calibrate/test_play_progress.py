@@ -3,26 +3,49 @@
 import threading
 from functools import partial
 from types import SimpleNamespace
+from typing import ClassVar
 
 import numpy as np
 
 from tactiledata.calibrate.plan import Node
 from tactiledata.calibrate.plays import play_batches, player
+from tactiledata.calibrate.plays.kept_plays import play_path
 from tactiledata.calibrate.plays.play_progress import PlayProgress
 
 SECONDS = 10.0
 
 
+class Solid:
+    """A shape that counts how often its mesh is made."""
+
+    document: ClassVar = {"shape": "sphere"}
+
+    def __init__(self):
+        self.made = 0
+
+    def mesh(self):
+        self.made += 1
+        return SimpleNamespace(vertices=np.zeros((3, 3)), faces=np.zeros((1, 3), int))
+
+
 class Touch:
     """A touch of two frames, at a height of its own."""
 
-    def __init__(self, height):
-        solid = SimpleNamespace(vertices=np.zeros((3, 3)), faces=np.zeros((1, 3), int))
-        self.indenter = SimpleNamespace(document={"shape": "sphere"}, mesh=lambda: solid)
+    def __init__(self, height, indenter=None):
+        self.indenter = indenter or Solid()
         self.poses = np.full((2, 4, 4), height)
 
     def deeper(self, offset):
-        return Touch(self.poses[0, 0, 0] + offset)
+        return Touch(self.poses[0, 0, 0] + offset, self.indenter)
+
+
+def test_plays_of_one_indenter_share_its_mesh():
+    """Six plays of three touches: the mesh is made once, and every play has a file of its own."""
+    solid = Solid()
+    touches = [Touch(0.1 * number, solid) for number in range(3)]
+    paths = {play_path(touch, "ab" * 32, "linear", ratio, 0.5) for touch in touches for ratio in (0.45, 0.46)}
+    assert solid.made == 1
+    assert len(paths) == 6
 
 
 def test_touches_of_a_batch_are_counted_before_it_ends(tmp_path, monkeypatch):

@@ -8,7 +8,7 @@ import io
 import json
 import zipfile
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from importlib import resources
 from pathlib import Path
 
@@ -20,6 +20,10 @@ from tactiledata.contract.atomic import write_atomic
 from tactiledata.contract.program import statements
 from tactiledata.gel.contact.history import GelTouch
 from tactiledata.gel.elasticity.compliance import cache_folder
+from tactiledata.indenters.base import Indenter
+
+SOLIDS = 32
+"""Largest number of indenters whose meshes are kept as bytes."""
 
 
 @dataclass(frozen=True)
@@ -62,9 +66,7 @@ def play_path(touch: GelTouch, mesh_digest: str, mechanics: str, ratio: float, f
     digest = hashlib.sha256()
     settings = [mesh_digest, mechanics, repr(ratio), repr(friction), _engine_digest(), touch.indenter.document]
     digest.update(json.dumps(settings, sort_keys=True).encode())
-    solid = touch.indenter.mesh()
-    for part in (touch.poses, np.asarray(solid.vertices), np.asarray(solid.faces)):
-        digest.update(str(part.shape).encode() + np.ascontiguousarray(part).tobytes())
+    digest.update(_bytes_of(touch.poses) + _solid(touch.indenter))
     key = digest.hexdigest()
     return cache_folder() / "calibrate" / key[:2] / f"{key}.npz"
 
@@ -89,6 +91,18 @@ def keep_play(path: Path, play: Play) -> None:
     np.savez(content, wrench=play.wrench, status=play.status, area=play.area)
     with contextlib.suppress(OSError):
         write_atomic(path, content.getvalue())
+
+
+@lru_cache(SOLIDS)
+def _solid(indenter: Indenter) -> bytes:
+    """Vertices and faces of an indenter as bytes: hundreds of plays share an indenter, and its mesh takes time."""
+    solid = indenter.mesh()
+    return _bytes_of(np.asarray(solid.vertices)) + _bytes_of(np.asarray(solid.faces))
+
+
+def _bytes_of(numbers: NDArray[np.generic]) -> bytes:
+    """Shape and content of an array as bytes."""
+    return str(numbers.shape).encode() + np.ascontiguousarray(numbers).tobytes()
 
 
 @cache
