@@ -24,7 +24,7 @@ EASY = 0.475
 """Poisson's ratio up to which a frame at finite strain takes no longer than that; beyond, it takes up to four times."""
 
 
-class Batch(Protocol):
+class PlayTask(Protocol):
     """Touches that are simulated together by one engine; must pickle."""
 
     @property
@@ -69,7 +69,7 @@ def effort_of(touches: Sequence[GelTouch], is_linear: bool, ratio: float) -> flo
 
 
 def play_batches(
-    batches: Sequence[Batch], runner: Scheduler | None = None, report_progress: Progress = no_progress
+    batches: Sequence[PlayTask], runner: Scheduler | None = None, report_progress: Progress = no_progress
 ) -> list[list[Play]]:
     """Return the plays of each batch, in order.
 
@@ -104,7 +104,7 @@ def play_batches(
     return [plays[number] for number in range(len(batches))]
 
 
-def _play(batch: Batch) -> list[Play]:
+def _play(batch: PlayTask) -> list[Play]:
     """Return the plays of a batch; workers execute this function."""
     return batch.play()
 

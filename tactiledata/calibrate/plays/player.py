@@ -18,7 +18,7 @@ from tactiledata.calibrate.plays.estimated_plays import (
 )
 from tactiledata.calibrate.plays.kept_plays import Play, play_path
 from tactiledata.calibrate.plays.learned_plays import example_touches, learned_nodes
-from tactiledata.calibrate.plays.play_batches import Batch, effort_of, play_batches, played_or_kept
+from tactiledata.calibrate.plays.play_batches import PlayTask, effort_of, play_batches, played_or_kept
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.compute.base import Scheduler
 from tactiledata.contract.progress import Progress, following, no_progress
@@ -123,7 +123,7 @@ class NodeRequest:
 def play_requests(
     mesh: PadMesh,
     requests: Sequence[NodeRequest],
-    beside: Sequence[Batch] = (),
+    beside: Sequence[PlayTask] = (),
     runner: Scheduler | None = None,
     report_progress: Progress = no_progress,
 ) -> tuple[list[dict[Node, list[Play]]], list[list[Play]]]:
@@ -135,7 +135,7 @@ def play_requests(
         Mesh of the gel.
     requests : sequence of NodeRequest
         Touches and nodes.
-    beside : sequence of Batch
+    beside : sequence of PlayTask
         Further batches.
     runner : Scheduler, optional
         Where all batches run; in this process where it is ``None``.
@@ -147,7 +147,7 @@ def play_requests(
     Exception
         The error of a batch that failed.
     """
-    of_requests: list[Batch] = [batch for request in requests for batch in request.batches(mesh)]
+    of_requests: list[PlayTask] = [batch for request in requests for batch in request.batches(mesh)]
     plays = iter(play_batches([*of_requests, *beside], runner, report_progress))
     return [request.by_node(plays) for request in requests], list(plays)
 
@@ -226,7 +226,7 @@ def play_plan_beside(
     mechanics: Mechanics,
     touches: Sequence[MeasuredTouch],
     plan: ResponsePlan,
-    beside: Sequence[Batch],
+    beside: Sequence[PlayTask],
     runner: Scheduler | None = None,
     report_progress: Progress = no_progress,
     estimates: Estimates = "learned",
@@ -247,7 +247,7 @@ def play_plan_beside(
         Poses and indenters.
     plan : ResponsePlan
         Nodes over nu, mu and offset.
-    beside : sequence of Batch
+    beside : sequence of PlayTask
         Further batches.
     runner : Scheduler, optional
         Where the touches are simulated; in this process where it is ``None``.

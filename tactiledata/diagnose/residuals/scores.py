@@ -52,18 +52,18 @@ class Refit:
         by_unit, information_by_unit : (u, c)
             As in `Contributions`.
         """
-        ways = self._ways
-        moved = signs @ ways.scores @ ways.inverse
-        total = 2.0 * size * (moved @ np.einsum("uc,upc->pc", information_by_unit, ways.together))
+        same = self._by_units
+        moved = signs @ same.scores @ same.inverse
+        total = 2.0 * size * (moved @ np.einsum("uc,upc->pc", information_by_unit, same.together))
         both = np.concatenate([moved, signs], axis=1)
         for place, column in enumerate(moved.T):
-            crossed = np.concatenate([ways._squares[:, place].T, -2.0 * by_unit * ways.together[:, place]])
+            crossed = np.concatenate([same._squares[:, place].T, -2.0 * by_unit * same.together[:, place]])
             total += column[:, None] * (both @ crossed)
         return total
 
     @cached_property
-    def _ways(self) -> Refit:
-        """The same refits by as many numbers as there are units, where the shared parameters are more.
+    def _by_units(self) -> Refit:
+        """Return the same refits by as many numbers as there are units, where the shared parameters are more.
 
         The refit moves along the rows of ``scores @ inverse`` only, by the sign of each unit.
         """
