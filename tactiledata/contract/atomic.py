@@ -16,15 +16,27 @@ REFUSED = (errno.EACCES, errno.EPERM, errno.EROFS)
 """Errors of the system where nothing may be written: no right to, or a read-only disk."""
 
 
-def write_atomic(path: Path, content: bytes) -> None:
-    """A file with this content: written beside its place, synced, renamed into place, the folder synced."""
+def write_atomic(path: Path, content: bytes, synced: bool = True) -> None:
+    """Write a file with this content: beside its place, synced, renamed into place, the folder synced.
+
+    Parameters
+    ----------
+    path : Path
+        Where it is written; its folder is made where it is missing.
+    content : bytes
+        What it holds.
+    synced : bool
+        Whether it outlasts a power failure. Files of a cache need not, where what is left of them is known for damaged:
+        waiting for the disk takes longer than writing many small files.
+    """
     path.parent.mkdir(parents=True, exist_ok=True)
     beside = path.parent / f".{path.name[:60]}.{secrets.token_hex(4)}.part"
     try:
         with beside.open("wb") as stream:
             stream.write(content)
             stream.flush()
-            os.fsync(stream.fileno())
+            if synced:
+                os.fsync(stream.fileno())
         beside.replace(path)
     except OSError as error:
         # the system names no file where there is no room for one
@@ -32,7 +44,8 @@ def write_atomic(path: Path, content: bytes) -> None:
         raise
     finally:
         beside.unlink(missing_ok=True)
-    sync_folder(path.parent)
+    if synced:
+        sync_folder(path.parent)
 
 
 def write_json_atomic(path: Path, value: object) -> None:

@@ -110,7 +110,7 @@ def diagnose_store(
                 naming.whitened, naming.base, [name for name in candidates if name not in naming.not_tried]
             )
             how = locating(naming.whitened, naming.base, options.seed)
-            formula = explain(residuals, how, "seconds", signatures=known, located=shown.located)
+            formula = explain(residuals, how, "seconds", signatures=known, located=shown.located, ceiling=shown.ceiling)
         step_progress("what to record next")
         proposals = propose_trials(naming)
     # limits of the recordings, causes of drifting zeros

@@ -56,6 +56,18 @@ def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path, monkeypat
     assert [path.name for path in tmp_path.iterdir()] == ["state.json"]
 
 
+def test_only_what_must_outlast_a_power_failure_waits_for_the_disk(tmp_path, monkeypatch):
+    """A file and its folder are synced; a file of a cache is not, and is whole or not there all the same."""
+    synced = []
+    monkeypatch.setattr(atomic.os, "fsync", synced.append)
+    write_atomic(tmp_path / "kept", b"kept")
+    assert len(synced) == 2
+    write_atomic(tmp_path / "cached", b"cached", synced=False)
+    assert len(synced) == 2
+    assert (tmp_path / "cached").read_bytes() == b"cached"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["cached", "kept"]
+
+
 def test_long_names_and_missing_folders(tmp_path):
     """A name as long as the file system allows works, and folders are made."""
     place = tmp_path / "a" / "b" / ("x" * 250)

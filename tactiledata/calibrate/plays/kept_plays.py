@@ -90,7 +90,7 @@ def keep_play(path: Path, play: Play) -> None:
     content = io.BytesIO()
     np.savez(content, wrench=play.wrench, status=play.status, area=play.area)
     with contextlib.suppress(OSError):
-        write_atomic(path, content.getvalue())
+        write_atomic(path, content.getvalue(), synced=False)
 
 
 @lru_cache(SOLIDS)

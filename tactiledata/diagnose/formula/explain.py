@@ -129,6 +129,7 @@ def explain(
     signatures: Mapping[str, Array] | None = None,
     progress: Progress = no_progress,
     located: LocatorResults | None = None,
+    ceiling: BlackBox | None = None,
 ) -> Explanation:
     """Return the diagnosis of residuals: located structure, a formula for it, and its worth on unseen groups.
 
@@ -147,6 +148,8 @@ def explain(
         Called with the number of finished steps, the number of all steps and the name of the step that begins.
     located : LocatorResults, optional
         Results of the locators on these residuals with these options, where they are known already.
+    ceiling : BlackBox, optional
+        The black box of the same residuals and seed, where it is known already.
 
     Raises
     ------
@@ -177,7 +180,8 @@ def explain(
             gap = gap_closed(held.squares_before, held.squares_after, held.counts, floor, options.seed)
     # a black box shows how much could be explained at all
     begin(3)
-    ceiling = black_box(located.projection, options.seed)
+    if ceiling is None:
+        ceiling = black_box(located.projection, options.seed)
     # what the formula leaves, and a surface for structure that is left
     begin(4)
     if form is not None and form.terms:
