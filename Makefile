@@ -11,7 +11,7 @@ PIP_FLAGS ?=
 # hundreds of processes import the same modules: compiled ones are kept, whatever the shell says
 export PYTHONDONTWRITEBYTECODE =
 
-.PHONY: help demo test quick check bench site mutants fuzz owners wheel-test clean
+.PHONY: help demo test quick check bench site mutants fuzz nightly owners wheel-test clean
 
 help:            ## this list
 	@grep -hE '^[a-z-]+: .*##|^[a-z-]+:  *##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
@@ -33,11 +33,11 @@ $(OWNERS)/.installed: $(INSTALLED) tests/export/owners.txt
 owners: $(OWNERS)/.installed  ## the loaders of LeRobot and robomimic, beside the environment, for the tests of exports
 
 # two workers share the cores: threads of each would only get in each other's way
-test: $(INSTALLED) $(OWNERS)/.installed   ## every test, slow ones included
-	OMP_NUM_THREADS=1 TACTILE_REQUIRE_ALL=1 $(BIN)/python -m pytest -n 2 --dist worksteal
+test: $(INSTALLED) $(OWNERS)/.installed   ## every test but those of `make nightly`
+	OMP_NUM_THREADS=1 TACTILE_REQUIRE_ALL=1 $(BIN)/python -m pytest -n 2 --dist worksteal -m 'not nightly'
 
 quick: $(INSTALLED)  ## the fast tests
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist worksteal -m 'not slow'
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist worksteal -m 'not slow and not nightly'
 
 check: $(INSTALLED)  ## formatting, lint, types
 	$(BIN)/ruff format --check .
@@ -58,6 +58,11 @@ mutants: $(INSTALLED) ## the mutation score of a sample, and the changes that no
 # every night: a fault ends it with 1, and its files are in .fuzz; FUZZ_MINUTES=1 for a look
 fuzz: $(INSTALLED)   ## changed bytes into every reader, for half an hour
 	OMP_NUM_THREADS=1 $(BIN)/python tests/fuzz/run_fuzz.py --minutes $(or $(FUZZ_MINUTES),30)
+
+# what a change of a solver, of a benchmark or of the naming's thresholds asks for at once
+nightly: $(INSTALLED)  ## the tests that take longest: solvers compared, rates of false alarms, benchmarks; then fuzzing
+	OMP_NUM_THREADS=1 TACTILE_REQUIRE_ALL=1 $(BIN)/python -m pytest -n 2 --dist worksteal -m nightly
+	$(MAKE) fuzz
 
 clean:           ## remove what make made, the virtual environment included
 	rm -rf $(VENV) $(OUT) build dist site .pytest_cache .mypy_cache .ruff_cache .mutants .fuzz

@@ -15,6 +15,9 @@ GARBAGE = (20_000, 10, 10)
 """Thresholds of the collector during the tests. With Python's own, of 700 objects, about a tenth of the time goes into
 searches that find little: tests leave few objects behind that refer to one another."""
 
+SLOW = ("slow", "nightly")
+"""Markers of tests that take seconds."""
+
 # shared machines stall: a slow example is no failure
 settings.register_profile("house", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.register_profile("quick", settings.get_profile("house"), max_examples=33)
@@ -36,7 +39,7 @@ def pytest_collection_modifyitems(items):
 
 def slow_files_first(items, workers):
     """The tests in a stretch for each worker, all of equal length; files with slow tests are dealt out in turn."""
-    slow = list(dict.fromkeys(item.path for item in items if item.get_closest_marker("slow")))
+    slow = list(dict.fromkeys(item.path for item in items if any(map(item.get_closest_marker, SLOW))))
     turn = {path: number % workers for number, path in enumerate(slow)}
     stretches = [[item for item in items if turn.get(item.path) == worker] for worker in range(workers)]
     quick = iter([item for item in items if item.path not in turn])

@@ -13,7 +13,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_quick_form_prints_twelve_networks_that_agree_with_themselves(tmp_path):
     """Each network takes two steps; on the CPU what it gives, and what a transfer draws, differ by nothing."""
     done = subprocess.run(

@@ -60,7 +60,7 @@ def test_a_method_is_judged_by_its_own_names(tmp_path, said):
     assert right == bool(said)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_each_method_answers_and_the_ladder_finds_a_planted_effect():
     """Touches that relax: each method gives names that were asked for, or none; a BIC ladder begins with relaxation."""
     effects = ("relaxation", "lag")

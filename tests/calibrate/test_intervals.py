@@ -118,7 +118,7 @@ def test_coverage_counts_what_is_covered(loss):
     assert ((one.share >= 0) & (one.share <= 1)).all()
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_nominal_95_percent_covers_90_to_98(loss):
     """Intervals hold the truth in 90 to 98 % of 200 surrogate data sets, with noise, zeros and offsets drawn anew."""
     found = coverage(loss, WIDE, TRUTH, draws=200, seed=0)

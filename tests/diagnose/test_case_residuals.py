@@ -39,6 +39,7 @@ def quiet():
     return plain_fit(null(3000, trajectories=24))
 
 
+@pytest.mark.nightly
 def test_the_level_holds_over_many_nulls():
     """The test for structure in residuals gives an alarm in at most two of 14 simulated worlds without hidden effects.
 

@@ -413,7 +413,7 @@ def test_the_same_table_gives_the_same_document(tmp_path):
     assert one == other
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_empty_tables_are_rarely_called_structured(tmp_path):
     """Of 100 empty tables without known noise, at most one in twenty is called structured."""
     from tactiledata.diagnose.locate.locate import LocateOptions, locate

@@ -51,6 +51,7 @@ def press(depths, x=0.0):
     return poses
 
 
+@pytest.mark.nightly
 def test_a_parabola_carries_the_thickness(gel):
     """Between and beyond the design points, the change is met within 4 %."""
     poses = press([-1e-4, 3e-4, 6e-4, 1e-3])
@@ -68,6 +69,7 @@ def test_a_parabola_carries_the_thickness(gel):
         np.testing.assert_allclose(null_exact_weights(places, error) @ designs, thick(error) - plain, rtol=0.04)
 
 
+@pytest.mark.nightly
 def test_a_soft_spot_is_met_to_first_order(gel, touch, play):
     """Loss of force is met within a quarter and 0.01, the centre of pressure within 20 um, over and beside the spot."""
     spot = {"normal_loss": 0.3, "radius": 2e-3}

@@ -29,7 +29,7 @@ print(peak[0])
 """
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_peak_memory_does_not_grow_with_the_store(tmp_path, monkeypatch):
     """Five times the pictures, 110 MB of them, take far less memory more than they have bytes, in all formats."""
     monkeypatch.setattr(loader_stores, "HEIGHT", 160)

@@ -80,7 +80,7 @@ def fine():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("fidelity", ["linear", "finite-strain"])
+@pytest.mark.parametrize("fidelity", ["linear", pytest.param("finite-strain", marks=pytest.mark.nightly)])
 def test_ball_on_a_layer(layer, fine, fidelity):
     """Force is within 2 % and the surface within 3 % of the depth of an axisymmetric solution with its own contact."""
     expected, shapes = layer.balled(4e-3, DEPTHS, 0.47, fidelity == "linear")
@@ -99,7 +99,7 @@ def test_ball_on_a_layer(layer, fine, fidelity):
         assert np.abs(radial - np.interp(away, radii, outward)).max() < 0.03 * depth
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_no_locking(layer):
     """Up to nu = 0.495 the force follows a solution of quadratic cells: it grows smoothly, and by no more."""
     ratios = (0.45, 0.48, 0.495)
@@ -121,7 +121,7 @@ def test_flat_punch_on_a_bonded_layer(friction, is_glued):
     assert force == pytest.approx(1e6 * yardstick, rel=0.03)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_refinement_converges(layer):
     """Halving the cells cuts the ball's error by half or more; at a punch's rim, which cuts patches, it stays small."""
     coarse = slab(0.6e-3, 8, 3.0e-3, (0, 0.5, 0.8, 1), 3.7e-3)

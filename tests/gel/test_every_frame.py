@@ -57,7 +57,7 @@ def test_sharp_indenters_are_followed(soft, name):
     _all_solved(soft, [name])
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_every_indenter_is_followed(soft):
     """So are the other eleven, some far beyond the forces of recordings."""
     _all_solved(soft, sorted(set(INDENTERS) - set(HARDEST)))

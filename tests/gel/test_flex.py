@@ -92,6 +92,7 @@ def test_forces_are_too_high_by_a_known_factor(history, engine):
     assert (ratio < 2.2).all()
 
 
+@pytest.mark.nightly
 def test_forces_on_a_finer_pad():
     """On 2,100 vertices of the DIGIT's dome forces are lower, and still half too high at little depth."""
     pad = structured_pad("finer", DIGIT.gel, GridPlan(10, 12, 0.6e-3, (3.6e-3, 4.8e-3), (0.0, 0.42, 0.75, 1.0)))

@@ -9,7 +9,7 @@ import pytest
 FOLDER = Path(__file__).resolve().parents[2] / "benchmarks"
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", ["random_access.py", "ingest_mcap.py", "epochs.py"])
 def test_quick_benchmarks_end_well(name, tmp_path):
     """A benchmark's quick form exits with 0 from any folder, having found equal pixels and printed its verdicts."""

@@ -182,7 +182,13 @@ PLAIN = ("relaxation", "rate_friction", "frame_rotation", "lag")
 """Planted effects that 24 trajectories suffice to name."""
 
 
-@pytest.mark.parametrize("name", PLANTS)
+LONGEST = "thickness"
+"""Planted effect that takes thirty trajectories and longest to name."""
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.nightly) if name == LONGEST else name for name in PLANTS]
+)
 def test_planted_effects_are_named_or_in_the_set(name):
     """Each planted effect, in formulas of the rig's own, with the whole catalogue to choose from; none gets another."""
     trajectories = 24 if name in PLAIN else 30
@@ -195,6 +201,7 @@ def test_planted_effects_are_named_or_in_the_set(name):
         assert name in (*found.candidates, *nearest.names)
 
 
+@pytest.mark.nightly
 def test_nulls_are_seldom_named():
     """A name is given to none of 7 nulls.
 

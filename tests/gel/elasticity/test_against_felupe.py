@@ -102,7 +102,7 @@ def their_forces(depths: list[float], is_linear: bool) -> list[np.ndarray]:
     return forces
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_force_at_finite_strain():
     """Within two percent at 1 mm, sideways force included; the linear law is three percent off (negative control).
 

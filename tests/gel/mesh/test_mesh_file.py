@@ -97,7 +97,7 @@ def _pressed(pad, fidelity, depths):
     return history.wrench[:, 2]
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_published_mesh_is_pressed():
     """The published mesh runs at both fidelities; its cells of 1 mm are stiff or soft by up to a sixth at 0.3 mm."""
     pad, graded = pad_from_file(PUBLISHED, "m"), pad_mesh("digit", DIGIT.gel)
