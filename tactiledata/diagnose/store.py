@@ -15,6 +15,7 @@ from tactiledata.diagnose.answer.other_steps import materials_of_meshes
 from tactiledata.diagnose.answer.sentences import Answer, preview_words
 from tactiledata.diagnose.formula.explain import explain
 from tactiledata.diagnose.naming.full_plays import named_with_full_plays
+from tactiledata.diagnose.naming.joint_fit import KeptFits
 from tactiledata.diagnose.naming.name_effects import NamingResult, name_effects, with_profiles
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.next_trial.limits import limits
@@ -85,11 +86,11 @@ def diagnose_store(
     def candidates_of(played: StoreTouches) -> tuple[str, ...]:
         return tuple(name for name in played.effects if not options.effects or name in options.effects)
 
-    def name(played: StoreTouches) -> NamingResult:
+    def name(played: StoreTouches, kept: KeptFits | None = None) -> NamingResult:
         naming_options = NamingOptions(
             effects=candidates_of(played), errors=errors, pairs=options.pairs, seed=options.seed, profile=False
         )
-        return name_effects(played.touch_set, played.start, naming_options, step_progress)
+        return name_effects(played.touch_set, played.start, naming_options, step_progress, kept)
 
     # what the examples tell, whose plays come first
     if preview is not None and options.fidelity == "finite-strain":

@@ -30,7 +30,9 @@ SMALLEST, LARGEST = 0.6, 4.0
 them does not simulate this gel."""
 
 
-def with_estimated_errors(whitened: WhitenedTouches, fit: JointFit) -> tuple[WhitenedTouches, JointFit]:
+def with_estimated_errors(
+    whitened: WhitenedTouches, fit: JointFit, fitted: Callable[..., JointFit] = joint_fit
+) -> tuple[WhitenedTouches, JointFit]:
     """Return the trajectories with all sizes of errors estimated from the residual of a plain fit, and the fit to them.
 
     A size is a factor on standard deviations: `NumericalErrors.sizes` of errors that touches share, `OwnErrors.sizes`
@@ -43,12 +45,14 @@ def with_estimated_errors(whitened: WhitenedTouches, fit: JointFit) -> tuple[Whi
         Trajectories.
     fit : JointFit
         Fit to them, without effects.
+    fitted : callable
+        Makes the new fits, as `joint_fit`.
     """
     for _ in range(TURNS):
         whitened = with_simulated_by(whitened, fit)
         for estimated in (with_estimated_sizes, with_estimated_own_sizes):
             before, whitened = whitened, estimated(whitened, fit)
-            fit = joint_fit(whitened, with_errors_of(fit.model, before, whitened))
+            fit = fitted(whitened, with_errors_of(fit.model, before, whitened))
     return whitened, fit
 
 

@@ -13,12 +13,15 @@ from typing import Protocol, TypeVar
 
 import numpy as np
 
+from tactiledata.diagnose.naming.joint_fit import KeptFits
 from tactiledata.diagnose.naming.name_effects import NamingResult
 from tactiledata.diagnose.touches.grid_answer import TouchPlays
 from tactiledata.diagnose.touches.variant_plays import design_variants
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.touch.response import GelVariant
 
+ALIKE = ("level", "by_ratio", "by_friction", "by_shift", "height")
+"""Plays that all effects share."""
 MOST_ROUNDS = 3
 """Largest number of times that gels are played in full and effects named again."""
 
@@ -57,7 +60,7 @@ class FullPlay:
 
 def named_with_full_plays(
     play: Callable[[frozenset[GelVariant]], AnyPlayed],
-    name: Callable[[AnyPlayed], NamingResult],
+    name: Callable[[AnyPlayed, KeptFits], NamingResult],
     told: Callable[[NamingResult], None] = lambda naming: None,
 ) -> tuple[AnyPlayed, NamingResult, tuple[FullPlay, ...]]:
     """Return touches, the effects that their simulation lacks, and how far estimates were off.
@@ -67,13 +70,14 @@ def named_with_full_plays(
     play : callable
         Plays the touches, some variants of the gel in full.
     name : callable
-        Names the effects that the simulation of touches lacks.
+        Names the effects that the simulation of touches lacks, with the fits of earlier namings that still hold.
     told : callable
         Called with the first answer where gels have yet to be played in full.
     """
     full: frozenset[GelVariant] = frozenset()
     played = play(full)
-    naming = name(played)
+    kept = KeptFits()
+    naming = name(played, kept)
     first, first_naming = played, naming
     for _ in range(MOST_ROUNDS):
         estimates = estimated(played.plays)
@@ -85,8 +89,9 @@ def named_with_full_plays(
         if not full:
             told(naming)
         full |= wanted
-        played = play(full)
-        naming = name(played)
+        before, played = played, play(full)
+        kept.forget(_changed(before.plays, played.plays))
+        naming = name(played, kept)
     looked_at = full & estimated(first.plays)
     effects = [effect for effect in EFFECTS if looked_at.intersection(design_variants(EFFECTS[effect]()))]
     closer = tuple(
@@ -111,6 +116,26 @@ def promising(naming: NamingResult) -> set[str]:
     trace = naming.thresholds.for_traces
     found = {effect for one in naming.scored if one.beyond(trace) >= 0 for effect in one.names}
     return found | set(naming.decision.claimed) | {tie.name for tie in naming.decision.ties}
+
+
+def _changed(before: Sequence[TouchPlays], after: Sequence[TouchPlays]) -> set[str] | None:
+    """Effects whose variants are other plays than before; ``None`` where all effects are simulated otherwise."""
+    pairs = list(zip(before, after, strict=True))
+    for one, other in pairs:
+        parts = [(getattr(one, name), getattr(other, name)) for name in ALIKE]
+        if not all(np.array_equal(*part, equal_nan=True) for part in parts):
+            return None
+    variants = {variant for pair in pairs for one in pair for variant in one.variants}
+    other_plays = {
+        variant
+        for variant in variants
+        if any(
+            (variant in one.variants) != (variant in other.variants)
+            or not np.array_equal(one.variants[variant], other.variants[variant], equal_nan=True)
+            for one, other in pairs
+        )
+    }
+    return {name for name in EFFECTS if other_plays.intersection(design_variants(EFFECTS[name]()))}
 
 
 def _error(before: Sequence[TouchPlays], after: Sequence[TouchPlays], variants: Sequence[GelVariant]) -> float:

@@ -27,7 +27,7 @@ from tactiledata.diagnose.naming.intervals import (
     intervals,
     profiled_intervals,
 )
-from tactiledata.diagnose.naming.joint_fit import JointFit, joint_fit, plain_fit
+from tactiledata.diagnose.naming.joint_fit import JointFit, KeptFits, plain_fit
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.naming.own_error_sizes import OddTouch, odd_touches, with_estimated_own_sizes
 from tactiledata.diagnose.naming.refit import Refits
@@ -89,6 +89,7 @@ def name_effects(
     material: GelMaterial,
     options: NamingOptions | None = None,
     progress: Callable[[str], None] = lambda text: None,
+    kept: KeptFits | None = None,
 ) -> NamingResult:
     """Return which known effect the simulation lacks, with all fits that led to the answer.
 
@@ -102,6 +103,8 @@ def name_effects(
         Candidates, priors, thresholds and numbers of refits; the defaults where ``None``.
     progress : callable
         Called with a few words at the beginning of each step.
+    kept : KeptFits, optional
+        Fits of an earlier naming of these trajectories, which are not made again; those of this one are added.
 
     Raises
     ------
@@ -109,20 +112,21 @@ def name_effects(
         Too few trajectories, or too few frames in one of them.
     """
     chosen = options or NamingOptions()
+    kept = kept or KeptFits()
     touch_set.need_touches()
     whitened = WhitenedTouches.of(touch_set, chosen.errors)
     # plain fit
     progress("plain fit")
-    base = plain_fit(whitened, material)
+    base = plain_fit(whitened, material, kept.joint_fit)
     if chosen.robust:
         whitened = whitened.with_trust(_huber(base.residual))
-        base = plain_fit(whitened, base.model.material)
+        base = plain_fit(whitened, base.model.material, kept.joint_fit)
     # errors of the simulation: sizes that suit the data, and fields about the material of the plain fit
-    whitened, base = with_estimated_errors(whitened, base)
+    whitened, base = with_estimated_errors(whitened, base, kept.joint_fit)
     # screen and refits of single effects, with smaller errors of the simulation where an effect explains these
     names, not_tried = playable(whitened, chosen.effects)
     progress("screen")
-    tried = _with_smaller_errors(_tried(Refits(whitened, base, chosen, progress), names), names)
+    tried = _with_smaller_errors(_tried(Refits(whitened, base, chosen, progress, kept=kept), names), names)
     whitened, base = tried.refits.whitened, tried.refits.base
     # pairs and decision
     pairs = tried.refits.pairs(tried.screened, tried.singles) if chosen.pairs else []
@@ -212,7 +216,7 @@ def _with_smaller_errors(first: _Tried, names: Sequence[str]) -> _Tried:
         replace(
             refits,
             whitened=whitened,
-            base=joint_fit(whitened, with_errors_of(base.model, refits.whitened, whitened)),
+            base=refits.kept.joint_fit(whitened, with_errors_of(base.model, refits.whitened, whitened)),
             reference=held_out(refits.whitened, base, refits.options.seed),
             size_penalty=size_penalty(refits.whitened, base, whitened),
         ),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from tactiledata.diagnose.naming.error_sizes import estimated_sizes, typical_siz
 from tactiledata.diagnose.naming.evidence import ScoredCandidate, score_candidate
 from tactiledata.diagnose.naming.held_out import GroupedCosts, held_out
 from tactiledata.diagnose.naming.intervals import range_checks
-from tactiledata.diagnose.naming.joint_fit import JointFit, joint_fit
+from tactiledata.diagnose.naming.joint_fit import JointFit, KeptFits
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.naming.parameters import joint_model
 from tactiledata.diagnose.naming.remaining_structure import RemainingStructure
@@ -55,6 +55,8 @@ class Refits:
     size_penalty : float
         By how much the logarithm of the plain simulation's likelihood is lower with the sizes of errors of these refits
         than with those that suit it best. It is subtracted, so that candidates get no evidence from the sizes alone.
+    kept : KeptFits
+        Makes the refits.
     """
 
     whitened: WhitenedTouches
@@ -63,6 +65,7 @@ class Refits:
     progress: Callable[[str], None]
     reference: GroupedCosts | None = None
     size_penalty: float = 0.0
+    kept: KeptFits = field(default_factory=KeptFits)
 
     @property
     def thresholds(self) -> DecisionThresholds:
@@ -231,7 +234,7 @@ class Refits:
         of_material_and_effects = model.vector[: 3 + len(model.coordinates)]
         model = model.at(np.concatenate([of_material_and_effects, from_there.errors]), from_there.offsets)
         try:
-            return joint_fit(self.whitened, model, to_beat=to_beat)
+            return self.kept.joint_fit(self.whitened, model, to_beat=to_beat)
         except UsageError:
             return None
 

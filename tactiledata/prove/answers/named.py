@@ -8,6 +8,7 @@ from typing import Any
 
 from tactiledata.diagnose.answer.sentences import Answer
 from tactiledata.diagnose.naming.full_plays import FullPlay, named_with_full_plays
+from tactiledata.diagnose.naming.joint_fit import KeptFits
 from tactiledata.diagnose.naming.name_effects import NamingResult, name_effects
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.touches.grid_answer import TouchPlays
@@ -108,8 +109,8 @@ def named_world(
         plays = played.plays(full)
         return _PlayedSet(replace(touch_set, base=PlayedFamily(played.maker.touches, plays)), plays)
 
-    def name(one: _PlayedSet) -> NamingResult:
-        return name_effects(one.touch_set, START, options)
+    def name(one: _PlayedSet, kept: KeptFits | None = None) -> NamingResult:
+        return name_effects(one.touch_set, START, options, kept=kept)
 
     if not in_full:
         return NamedWorld(recorded, touch_set, name(play(frozenset())), ())

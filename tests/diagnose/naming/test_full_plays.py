@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from candidates import along, candidate
 
-from tactiledata.diagnose.naming.full_plays import MOST_ROUNDS, named_with_full_plays
+from tactiledata.diagnose.naming import full_plays
+from tactiledata.diagnose.naming.full_plays import ALIKE, MOST_ROUNDS, named_with_full_plays
 from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
 from tactiledata.diagnose.naming.ties import Tie
 from tactiledata.diagnose.touches.variant_plays import variants_of
@@ -23,6 +24,7 @@ class Touches:
 
     full: frozenset
     by_estimate: frozenset = ALL
+    shared: float = 1.0
 
     @property
     def plays(self):
@@ -30,7 +32,8 @@ class Touches:
             return np.ones((4, 6)) * np.where(np.arange(6) < 3, 1.0 if variant in self.full else 1.2, 50.0)
 
         variants = {variant: change(variant) for variant in THICKNESS}
-        return [SimpleNamespace(variants=variants, by_estimate=self.by_estimate - self.full)]
+        shared = dict.fromkeys(ALIKE, self.shared * np.ones((4, 7)))
+        return [SimpleNamespace(variants=variants, by_estimate=self.by_estimate - self.full, **shared)]
 
 
 def naming(scored, claimed=(), ties=()):
@@ -48,7 +51,7 @@ def run(answers):
 
     told = []
     played, found, closer = named_with_full_plays(
-        play, lambda _: answers[min(len(asked), len(answers)) - 1], told.append
+        play, lambda *_: answers[min(len(asked), len(answers)) - 1], told.append
     )
     # the first answer is told once, if and only if it is not the last one
     assert told == (answers[:1] if len(asked) > 1 else [])
@@ -114,5 +117,34 @@ def test_what_was_played_already_is_not_played_again():
         return Touches(full, by_estimate=frozenset())
 
     answer = naming([of_thickness(5.0)], claimed=("thickness",))
-    _, found, closer = named_with_full_plays(play, lambda _: answer)
+    _, found, closer = named_with_full_plays(play, lambda *_: answer)
     assert (asked, found, closer) == ([frozenset()], answer, ())
+
+
+@dataclass
+class Forgotten:
+    """Stands for the kept fits: what was to be forgotten, in turn."""
+
+    asked: list
+
+    def forget(self, effects=None):
+        self.asked.append(effects)
+
+
+@pytest.mark.parametrize(("shared", "forgotten"), [(1.0, {"thickness"}), (1.01, None)])
+def test_fits_of_what_was_played_anew_are_forgotten_and_no_others(shared, forgotten, monkeypatch):
+    """Thickness alone, where its gels alone are other plays; everything, where all effects rest on other plays."""
+    kept, given = Forgotten([]), []
+    monkeypatch.setattr(full_plays, "KeptFits", lambda: kept)
+    answers = iter([naming([of_thickness(1.1)]), naming([of_thickness(0.4)])])
+
+    def play(full):
+        return Touches(full, shared=shared if full else 1.0)
+
+    def name(played, fits):
+        given.append(fits)
+        return next(answers)
+
+    named_with_full_plays(play, name)
+    assert kept.asked == [forgotten]
+    assert given == [kept, kept]

@@ -1,14 +1,17 @@
 """When a joint fit ends: at its own best, or far behind another explanation that it cannot reach any more."""
 
 import dataclasses
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from tied_worlds import START, effect, recorded
 
 from tactiledata.diagnose.naming import joint_fit as module
-from tactiledata.diagnose.naming.joint_fit import joint_fit, plain_fit
+from tactiledata.diagnose.naming.joint_fit import KeptFits, joint_fit, plain_fit
 from tactiledata.diagnose.naming.linearise import Linearised
+from tactiledata.diagnose.naming.name_effects import name_effects
+from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.naming.parameters import joint_model
 from tactiledata.diagnose.naming.screen import screen
 from tactiledata.diagnose.naming.signatures import effect_signatures
@@ -99,3 +102,53 @@ def test_a_refit_reaches_what_the_screen_promises(late):
     found = joint_fit(white, start)
     assert promised.score > 40.0
     assert 0.95 * promised.score < base.cost - found.cost < 1.25 * promised.score
+
+
+def test_a_fit_is_made_once_until_it_is_forgotten(late, monkeypatch):
+    """The same start and sizes of errors: the same fit. Another start, other sizes, or forgotten effects: a new one."""
+    white, base = late
+    made = []
+
+    def fit(whitened, start, held=(), rounds=12, to_beat=np.inf):
+        made.append(start.settings)
+        return SimpleNamespace(names=tuple(setting.effect for setting in start.settings))
+
+    monkeypatch.setattr(module, "joint_fit", fit)
+    kept, plain = KeptFits(), base.model
+    lagging = joint_model(plain.material, effect("lag", delay=0.02), len(white.starts), len(plain.errors))
+    first = kept.joint_fit(white, plain)
+    assert kept.joint_fit(white, plain.at(plain.vector, plain.offsets.copy())) is first
+    kept.joint_fit(white, lagging)
+    assert len(made) == 2
+    others = (
+        (white, plain.at(plain.vector, plain.offsets + 1e-6)),
+        (dataclasses.replace(white, errors=dataclasses.replace(white.errors, shape=0.5)), plain),
+        (white.with_trust(0.5 * white.trust), plain),
+        (white.with_simulated(2.0 * white.measured), plain),
+    )
+    for whitened, start in others:
+        assert kept.joint_fit(whitened, start) is not first
+    assert len(made) == 6
+    kept.forget({"lag", "clipping"})
+    assert kept.joint_fit(white, plain) is first
+    kept.joint_fit(white, lagging)
+    assert len(made) == 7
+    kept.forget()
+    assert kept.joint_fit(white, plain) is not first
+
+
+@pytest.mark.slow
+def test_a_second_naming_makes_no_fit_again(late, monkeypatch):
+    """With the fits of the first one it makes none, and its answer is the same."""
+    white, _ = late
+    options = NamingOptions(effects=("lag", "relaxation"), profile=False)
+    kept, made = KeptFits(), []
+    fit = module.joint_fit
+    monkeypatch.setattr(module, "joint_fit", lambda *given: made.append(given) or fit(*given))
+    first = name_effects(white.touch_set, START, options, kept=kept)
+    count = len(made)
+    assert count > 5
+    again = name_effects(white.touch_set, START, options, kept=kept)
+    assert len(made) == count
+    assert [(one.label, one.evidence) for one in again.scored] == [(one.label, one.evidence) for one in first.scored]
+    assert again.decision.claimed == first.decision.claimed
