@@ -31,7 +31,7 @@ class DyingWorkers(Scheduler):
 
 def test_a_diagnosis_loses_no_play(tmp_path, monkeypatch):
     """Plays of a diagnosis, also those of shifted paths, are those of workers of which none died."""
-    touches, bounds, workers = [press(0)], find_bounds("paper"), DyingWorkers(8)
+    touches, bounds, workers = [press(0)], find_bounds("paper"), DyingWorkers(5)
     monkeypatch.setenv("TACTILEDATA_CACHE", str(tmp_path / "alone"))
     (alone,) = play_touches(PAD, "linear", touches, bounds)
     monkeypatch.setenv("TACTILEDATA_CACHE", str(tmp_path / "again"))
