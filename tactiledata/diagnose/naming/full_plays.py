@@ -112,9 +112,18 @@ def estimated(plays: Sequence[TouchPlays]) -> frozenset[GelVariant]:
 
 
 def promising(naming: NamingResult) -> set[str]:
-    """Return the effects on which an answer could rest: those with evidence for a trace, the named ones, and ties."""
+    """Return the effects on which an answer could rest: those with evidence for a trace, the named ones, and ties.
+
+    The evidence of an effect in a pair is what it adds to that of the other effect alone.
+    """
     trace = naming.thresholds.for_traces
-    found = {effect for one in naming.scored if one.beyond(trace) >= 0 for effect in one.names}
+    alone = {one.names: one.evidence for one in naming.scored if len(one.names) == 1}
+    found = set()
+    for one in naming.scored:
+        for effect in one.names:
+            others = tuple(name for name in one.names if name != effect)
+            if one.evidence - alone.get(others, 0.0) >= trace.needed((effect,)):
+                found.add(effect)
     return found | set(naming.decision.claimed) | {tie.name for tie in naming.decision.ties}
 
 

@@ -1,6 +1,6 @@
 """Gels are played in full where an answer could rest on their estimate: by stubs that count what is played."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -79,6 +79,17 @@ def test_less_than_a_trace_and_effects_without_other_gels_cost_no_play():
     answer = naming([of_thickness(0.9), candidate("lag", 5.0)], claimed=("lag",))
     asked, _, found, closer = run([answer])
     assert (asked, found, closer) == ([frozenset()], answer, ())
+
+
+@pytest.mark.parametrize("more", [0.9, 1.1])
+def test_in_a_pair_counts_what_an_effect_adds_to_the_other(more):
+    """Beside a certain lag, a thickness is worth full plays where it adds evidence for a trace, and not where less."""
+    lag = candidate("lag", 5.0)
+    pair = candidate(("lag", "thickness"))
+    adds = more * T.trace_share * T.claim("thickness")
+    answer = naming([lag, of_thickness(-0.5), replace(pair, evidence=lag.evidence + adds)], claimed=("lag",))
+    asked, *_ = run([answer])
+    assert asked == ([frozenset(), THICKNESS] if more > 1 else [frozenset()])
 
 
 @pytest.mark.parametrize("how", ["named", "tied"])
