@@ -22,6 +22,8 @@ from tactiledata.effects.touch.response import GelVariant
 
 ALIKE = ("level", "by_ratio", "by_friction", "by_shift", "height")
 """Plays that all effects share."""
+OF_A_PAIR = 0.5
+"""Share of the evidence of a claim that an effect must add to another one for its gels to be played in full."""
 MOST_ROUNDS = 3
 """Largest number of times that gels are played in full and effects named again."""
 
@@ -114,7 +116,8 @@ def estimated(plays: Sequence[TouchPlays]) -> frozenset[GelVariant]:
 def promising(naming: NamingResult) -> set[str]:
     """Return the effects on which an answer could rest: those with evidence for a trace, the named ones, and ties.
 
-    The evidence of an effect in a pair is what it adds to that of the other effect alone.
+    In a pair an effect needs ``OF_A_PAIR`` of the evidence of a claim beyond that of the other effect alone: a trace of
+    a second effect is not told, and estimates are not so far off that a claim could come of less.
     """
     trace = naming.thresholds.for_traces
     alone = {one.names: one.evidence for one in naming.scored if len(one.names) == 1}
@@ -122,7 +125,8 @@ def promising(naming: NamingResult) -> set[str]:
     for one in naming.scored:
         for effect in one.names:
             others = tuple(name for name in one.names if name != effect)
-            if one.evidence - alone.get(others, 0.0) >= trace.needed((effect,)):
+            needed = OF_A_PAIR * naming.thresholds.claim(effect) if others else trace.claim(effect)
+            if one.evidence - alone.get(others, 0.0) >= needed:
                 found.add(effect)
     return found | set(naming.decision.claimed) | {tie.name for tie in naming.decision.ties}
 

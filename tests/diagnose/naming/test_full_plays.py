@@ -8,7 +8,7 @@ import pytest
 from candidates import along, candidate
 
 from tactiledata.diagnose.naming import full_plays
-from tactiledata.diagnose.naming.full_plays import ALIKE, MOST_ROUNDS, named_with_full_plays
+from tactiledata.diagnose.naming.full_plays import ALIKE, MOST_ROUNDS, OF_A_PAIR, named_with_full_plays
 from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
 from tactiledata.diagnose.naming.ties import Tie
 from tactiledata.diagnose.touches.variant_plays import variants_of
@@ -83,10 +83,10 @@ def test_less_than_a_trace_and_effects_without_other_gels_cost_no_play():
 
 @pytest.mark.parametrize("more", [0.9, 1.1])
 def test_in_a_pair_counts_what_an_effect_adds_to_the_other(more):
-    """Beside a certain lag, a thickness is worth full plays where it adds evidence for a trace, and not where less."""
+    """Beside a certain lag, a thickness is worth full plays where it adds half of what a claim needs, not with less."""
     lag = candidate("lag", 5.0)
     pair = candidate(("lag", "thickness"))
-    adds = more * T.trace_share * T.claim("thickness")
+    adds = more * OF_A_PAIR * T.claim("thickness")
     answer = naming([lag, of_thickness(-0.5), replace(pair, evidence=lag.evidence + adds)], claimed=("lag",))
     asked, *_ = run([answer])
     assert asked == ([frozenset(), THICKNESS] if more > 1 else [frozenset()])
