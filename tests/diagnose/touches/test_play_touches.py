@@ -132,6 +132,7 @@ def at_finite_strain(tmp_path_factory):
     return variants, made
 
 
+@pytest.mark.nightly
 def test_estimated_plays_are_near_full_ones(at_finite_strain):
     """Forces are within 1 % of the largest one at every node, and slopes over the offset within 10 %."""
     _, (all_played, estimated, *_) = at_finite_strain
@@ -144,6 +145,7 @@ def test_estimated_plays_are_near_full_ones(at_finite_strain):
             assert np.abs(near - slope).max() < 0.1 * np.abs(slope).max()
 
 
+@pytest.mark.nightly
 def test_rough_estimates_know_the_middle_and_friction(at_finite_strain):
     """Friction is as well known as by other estimates; nu is off by a third of its change, and laws are left out."""
     (_, stiffening), (all_played, estimated, _, rough) = at_finite_strain
@@ -155,6 +157,7 @@ def test_rough_estimates_know_the_middle_and_friction(at_finite_strain):
         assert 0.0 < off < 0.4 * np.abs(change).max()
 
 
+@pytest.mark.nightly
 def test_what_is_asked_for_and_what_the_linear_engine_does_not_know_is_played_in_full(at_finite_strain):
     """A stiffening law where touches are few, a thickness where it is asked for; estimates are off by some per cent."""
     (thinner, stiffening), (all_played, estimated, asked, _) = at_finite_strain

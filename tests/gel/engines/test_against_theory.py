@@ -39,7 +39,7 @@ def thick():
     return FemEngine(block(30e-3, 30e-3, 15, 0.16e-3, 1.12e-3, levels, 1.3e-3), NU, "linear")
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_hertz(thick):
     """A ball on a thick block has Hertz's force within 2 %, with the block's own thickness allowed for (4 %)."""
     history = pressed(thick, Sphere(RADIUS), poses((0, 0, -0.06), (0, 0, -0.1)))
@@ -48,7 +48,7 @@ def test_hertz(thick):
     np.testing.assert_allclose(history.wrench[:, 2], expected, rtol=0.02)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_hertz_pressure(thick):
     """Its pressure is Hertz's half ellipsoid: nothing beyond the contact, the right force within parts of it."""
     history = pressed(thick, Sphere(RADIUS), poses((0, 0, -0.1)))
@@ -62,7 +62,7 @@ def test_hertz_pressure(thick):
         assert inner < within < outer
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_partial_slip(thick):
     """A ball that is pressed and shifted has Cattaneo's and Mindlin's force within 5 % of the sliding force."""
     friction, shifts = 0.5, np.linspace(0, 6e-5, 13)

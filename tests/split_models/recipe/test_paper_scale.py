@@ -41,7 +41,7 @@ def paper_store(tmp_path_factory):
     return place
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_every_network_takes_two_steps_at_paper_scale(paper_store, tmp_path, monkeypatch):
     """Sizes and losses are those of ``--scale paper``; the batches of what little there is come in two pieces each."""
     recipe = load_recipe("split_backbone", "paper")
