@@ -11,6 +11,9 @@ from tactiledata.calibrate.plays import player
 from tactiledata.calibrate.plays.play_batches import effort_of, play_batches
 from tactiledata.calibrate.plays.player import PlayBatch, play_at
 from tactiledata.contract.progress import following
+from tactiledata.contract.worker_pool import worker_died
+from tactiledata.diagnose.touches.variant_plays import VariantBatch
+from tactiledata.effects.touch.response import GelVariant
 
 BEGUN = []
 
@@ -79,3 +82,12 @@ def test_touches_at_their_own_offsets_are_dealt_out_and_come_back_in_order(tmp_p
     for one, other in zip(together, in_parts, strict=True):
         np.testing.assert_array_equal(one.wrench, other.wrench)
         np.testing.assert_array_equal(one.area, other.area)
+
+
+def test_a_batch_says_what_it_plays_where_its_worker_dies():
+    """The error names touches, nu and mu, or the change; not the vertices of a pad."""
+    touches = (press(0).touch, press(1).touch)
+    nominal = PlayBatch(PAD, "linear", 0.46, 0.7, touches)
+    moved = VariantBatch(PAD, "linear", 0.46, 0.7, GelVariant(), touches)
+    assert "at plays of 2 touches at nu 0.460, mu 0.70" in str(worker_died(nominal))
+    assert "at plays of 2 touches, moved along the gel" in str(worker_died(moved))

@@ -53,6 +53,9 @@ class PlayBatch:
     friction: float
     touches: tuple[GelTouch, ...]
 
+    def __str__(self) -> str:
+        return f"plays of {len(self.touches)} touches at {self.words}"
+
     @property
     def paths(self) -> list[Path]:
         """Cache file of each touch, in order."""

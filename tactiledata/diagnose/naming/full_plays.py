@@ -7,6 +7,7 @@ again.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
@@ -23,7 +24,7 @@ from tactiledata.effects.touch.response import GelVariant
 ALIKE = ("level", "by_ratio", "by_friction", "by_shift", "height")
 """Plays that all effects share."""
 OF_A_PAIR = 0.5
-"""Share of the evidence of a claim that an effect must add to another one for its gels to be played in full."""
+"""Share of the evidence that a claim needs, which an effect must add to another one to be played in full."""
 MOST_ROUNDS = 3
 """Largest number of times that gels are played in full and effects named again."""
 
@@ -116,17 +117,18 @@ def estimated(plays: Sequence[TouchPlays]) -> frozenset[GelVariant]:
 def promising(naming: NamingResult) -> set[str]:
     """Return the effects on which an answer could rest: those with evidence for a trace, the named ones, and ties.
 
-    In a pair an effect needs ``OF_A_PAIR`` of the evidence of a claim beyond that of the other effect alone: a trace of
-    a second effect is not told, and estimates are not so far off that a claim could come of less.
+    An effect of a pair must add ``OF_A_PAIR`` of what the pair needs to be claimed (`decide.needed_of`): a trace of a
+    second effect is not told, and estimates are not so far off that a claim could come of less.
     """
-    trace = naming.thresholds.for_traces
-    alone = {one.names: one.evidence for one in naming.scored if len(one.names) == 1}
-    found = set()
-    for one in naming.scored:
-        for effect in one.names:
-            others = tuple(name for name in one.names if name != effect)
-            needed = OF_A_PAIR * naming.thresholds.claim(effect) if others else trace.claim(effect)
-            if one.evidence - alone.get(others, 0.0) >= needed:
+    thresholds = naming.thresholds
+    trace = thresholds.for_traces
+    found = {effect for one in naming.scored if one.beyond(trace) >= 0 and len(one.names) == 1 for effect in one.names}
+    alone = {one.names: one.evidence for one in naming.scored}
+    for pair in naming.scored:
+        for effect, other in itertools.permutations(pair.names, 2):
+            beside = alone.get((other,), 0.0)
+            claim = thresholds.with_errors(pair.error_size).claim(effect)
+            if pair.evidence - beside >= OF_A_PAIR * max(claim, thresholds.second_share * beside):
                 found.add(effect)
     return found | set(naming.decision.claimed) | {tie.name for tie in naming.decision.ties}
 

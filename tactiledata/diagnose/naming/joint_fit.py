@@ -319,7 +319,13 @@ class KeptFits:
         rounds: int = ROUNDS,
         to_beat: float = np.inf,
     ) -> JointFit:
-        """Return what the function `joint_fit` returns, which has the same parameters; made before, or now."""
+        """Return what the function `joint_fit` returns: made before, or now.
+
+        Parameters
+        ----------
+        whitened, start, held, rounds, to_beat
+            As of that function; its errors as well.
+        """
         held = sorted(held)
         model = start.material, start.settings, start.coordinates, start.box
         key = repr((model, whitened.errors, whitened.own, held, rounds, to_beat)).encode()

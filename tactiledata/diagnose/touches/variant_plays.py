@@ -56,6 +56,9 @@ class VariantBatch:
     variant: GelVariant
     touches: tuple[GelTouch, ...]
 
+    def __str__(self) -> str:
+        return f"plays of {len(self.touches)} touches, {self.words}"
+
     @property
     def words(self) -> str:
         """What the batch plays, in words: touches of the nominal gel are those whose paths are moved."""

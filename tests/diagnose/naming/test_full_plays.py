@@ -82,12 +82,18 @@ def test_less_than_a_trace_and_effects_without_other_gels_cost_no_play():
 
 
 @pytest.mark.parametrize("more", [0.9, 1.1])
-def test_in_a_pair_counts_what_an_effect_adds_to_the_other(more):
-    """Beside a certain lag, a thickness is worth full plays where it adds half of what a claim needs, not with less."""
-    lag = candidate("lag", 5.0)
-    pair = candidate(("lag", "thickness"))
-    adds = more * OF_A_PAIR * T.claim("thickness")
-    answer = naming([lag, of_thickness(-0.5), replace(pair, evidence=lag.evidence + adds)], claimed=("lag",))
+@pytest.mark.parametrize(("times", "size"), [(1.0, 1.0), (1.0, 1.5), (1000.0, 1.0)])
+def test_in_a_pair_counts_what_an_effect_adds_to_the_other(times, size, more):
+    """Beside a lag, a thickness is worth full plays where it adds half of what a claim of the pair needs, no less.
+
+    Large errors of the simulation raise what is needed, and so does a lag with much evidence of its own.
+    """
+    lag = candidate("lag", times)
+    claim = T.with_errors(size).claim("thickness")
+    needs = max(claim, T.second_share * lag.evidence)
+    assert (needs == claim) == (times == 1.0)
+    pair = replace(candidate(("lag", "thickness")), evidence=lag.evidence + more * OF_A_PAIR * needs, error_size=size)
+    answer = naming([lag, of_thickness(-0.5), pair], claimed=("lag",))
     asked, *_ = run([answer])
     assert asked == ([frozenset(), THICKNESS] if more > 1 else [frozenset()])
 
