@@ -23,6 +23,7 @@ from candidates import (
 
 from tactiledata.diagnose.naming.decide import NONE, OTHER
 from tactiledata.diagnose.naming.identifiability import Identifiability
+from tactiledata.diagnose.naming.joint_fit import KeptFits
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.naming.parameters import joint_model
 from tactiledata.diagnose.naming.refit import Refits, with_penalty
@@ -403,7 +404,7 @@ def test_what_cannot_be_played_is_no_candidate(monkeypatch):
     def unbalanced(*_, **options):
         raise UsageError("no balance", "stiffer springs", "Lessen the compliances.")
 
-    monkeypatch.setattr("tactiledata.diagnose.naming.refit.joint_fit", unbalanced)
+    monkeypatch.setattr(KeptFits, "joint_fit", unbalanced)
     plain = SimpleNamespace(model=joint_model(GelMaterial(9e5, 0.475, 0.7), [], 1, 0))
     white = SimpleNamespace(starts=[0])
     fits = Refits(white, plain, NamingOptions(), lambda text: None)
