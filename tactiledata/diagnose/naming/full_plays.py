@@ -14,6 +14,7 @@ from typing import Protocol, TypeVar
 
 import numpy as np
 
+from tactiledata.arrays import Array
 from tactiledata.diagnose.naming.joint_fit import KeptFits
 from tactiledata.diagnose.naming.name_effects import NamingResult
 from tactiledata.diagnose.touches.grid_answer import TouchPlays
@@ -144,13 +145,16 @@ def _changed(before: Sequence[TouchPlays], after: Sequence[TouchPlays]) -> set[s
     other_plays = {
         variant
         for variant in variants
-        if any(
-            (variant in one.variants) != (variant in other.variants)
-            or not np.array_equal(one.variants[variant], other.variants[variant], equal_nan=True)
-            for one, other in pairs
-        )
+        if any(_differ(one.variants.get(variant), other.variants.get(variant)) for one, other in pairs)
     }
     return {name for name in EFFECTS if other_plays.intersection(design_variants(EFFECTS[name]()))}
+
+
+def _differ(one: Array | None, other: Array | None) -> bool:
+    """Whether two changes of a wrench are not the same numbers, or only one of them is there."""
+    if one is None or other is None:
+        return one is not other
+    return not np.array_equal(one, other, equal_nan=True)
 
 
 def _error(before: Sequence[TouchPlays], after: Sequence[TouchPlays], variants: Sequence[GelVariant]) -> float:

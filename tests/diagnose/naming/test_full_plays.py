@@ -165,3 +165,17 @@ def test_fits_of_what_was_played_anew_are_forgotten_and_no_others(shared, forgot
     named_with_full_plays(play, name)
     assert kept.asked == [forgotten]
     assert given == [kept, kept]
+
+
+def test_a_variant_that_only_some_touches_have_is_compared_where_it_is():
+    """Skin is played in the second touch alone, the same both times: nothing has changed there."""
+    (skin,) = variants_of(["skin"])[:1]
+    both = [Touches(frozenset()).plays[0], Touches(frozenset()).plays[0]]
+    both[1].variants[skin] = np.ones((4, 6))
+    again = [Touches(frozenset()).plays[0], Touches(frozenset()).plays[0]]
+    again[1].variants[skin] = np.ones((4, 6))
+    assert full_plays._changed(both, again) == set()
+    again[1].variants[skin] = np.zeros((4, 6))
+    assert full_plays._changed(both, again) == {"skin"}
+    del again[1].variants[skin]
+    assert full_plays._changed(both, again) == {"skin"}
