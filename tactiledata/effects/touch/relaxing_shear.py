@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from tactiledata.arrays import Array
 from tactiledata.effects.touch.time_operators import fading_steps
 
-Pairs = NDArray[np.complex128]
-"""Pairs (x, y) as complex numbers x + i y."""
 ROUNDING = 1e-12
 """Share of the friction limit by which a shear may exceed it and still stick: rounding errors are no slip."""
 
@@ -43,34 +40,25 @@ def relaxing_shear(
         Time constant, s.
     """
     surface, slid = (pairs[:, 0] + 1j * pairs[:, 1] for pairs in (elastic, sliding))
-    relaxed = _followed(*fading_steps(seconds, time), surface, slides, slid, limit, share)
-    return np.column_stack([relaxed.real, relaxed.imag])
-
-
-@njit(nogil=True, cache=True)
-def _followed(
-    fades: Array, gains: Array, surface: Pairs, slides: NDArray[np.bool_], slid: Pairs, limit: Array, share: float
-) -> Pairs:
-    """Shear (n,), frame by frame, from the factors (n - 1,) of `fading_steps`; see `relaxing_shear`."""
-    shear = surface.copy()
-    memory = ahead = before = 0j  # of S; S - T; S
-    if len(shear):
-        before = shear[0]
-    for frame in range(1, len(shear)):
-        gain, followed, most = gains[frame - 1], surface[frame], limit[frame]
+    shear = surface.tolist()
+    memory = ahead = 0j  # of S, and S - T
+    before = shear[0] if shear else 0j
+    rows = zip(*fading_steps(seconds, time), surface[1:], slides[1:], slid[1:], limit[1:], strict=True)
+    for frame, (fade, gain, followed, slips, friction, most) in enumerate(rows, start=1):
         if most <= 0:
             memory = ahead = before = 0j
             continue
         # what sticks follows the surface
-        left = fades[frame - 1] * memory - gain * before
+        left = fade * memory - gain * before
         strain = followed + ahead
         pull = strain + share * (left + gain * strain)
         size = abs(pull)
         # what slides has the shear of friction, and the strain that gives it
-        if slides[frame] or size > (1 + ROUNDING) * most:
-            pull = slid[frame] if slides[frame] else pull * (most / size)
+        if slips or size > (1 + ROUNDING) * most:
+            pull = friction if slips else pull * (most / size)
             strain = (pull - share * left) / (1 + share * gain)
             ahead = strain - followed
         shear[frame] = pull
         memory, before = left + gain * strain, strain
-    return shear
+    relaxed = np.array(shear, dtype=complex)
+    return np.column_stack([relaxed.real, relaxed.imag])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from tactiledata.arrays import Array
 
@@ -25,18 +24,16 @@ def fading_memory(seconds: Array, wrench: Array, time: float) -> Array:
     """
     known = np.isfinite(wrench).all(axis=1)
     memory = np.full_like(wrench, np.nan)
-    memory[known] = _memory(*fading_steps(seconds[known], time), wrench[known])
+    memory[known] = _memory(seconds[known], wrench[known], time)
     return memory
 
 
-@njit(nogil=True, cache=True)
-def _memory(fades: Array, gains: Array, wrench: Array) -> Array:
-    """Fading memory (n, 6) of a wrench (n, 6) without NaN, from the factors (n - 1,) of `fading_steps`."""
+def _memory(seconds: Array, wrench: Array, time: float) -> Array:
+    """Fading memory (n, 6) of a wrench without NaN."""
     memory = np.zeros_like(wrench)
-    for frame in range(len(fades)):
-        for column in range(wrench.shape[1]):
-            change = wrench[frame + 1, column] - wrench[frame, column]
-            memory[frame + 1, column] = fades[frame] * memory[frame, column] + gains[frame] * change
+    steps = zip(*fading_steps(seconds, time), np.diff(wrench, axis=0), strict=True)
+    for frame, (fade, gain, change) in enumerate(steps):
+        memory[frame + 1] = fade * memory[frame] + gain * change
     return memory
 
 
