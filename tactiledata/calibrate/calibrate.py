@@ -17,6 +17,7 @@ from tactiledata.calibrate.plan import ResponsePlan
 from tactiledata.calibrate.plays.player import play_at, play_plan
 from tactiledata.calibrate.remarks import remarks
 from tactiledata.compute import make_scheduler
+from tactiledata.compute.base import Scheduler
 from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.contract.records import Finding
 from tactiledata.contract.simulated import NOTHING_STATED, SimulatedCount
@@ -131,7 +132,7 @@ def calibrate_measured(
         raise too_few(0 if isinstance(experiment, dict) else len(experiment.touches), {**measured.left_out, **reasons})
     # fit, then simulate once more at the optimum to check the interpolation
     optimum = fit(experiment, measured.noise, bounds, options)
-    played, error = check_interpolation(experiment, optimum, measured, options)
+    played, error = check_interpolation(experiment, optimum, measured, options, runner)
     left_out = {**measured.left_out, **experiment.left_out}
     is_slid = may_slide(experiment.touches)
     findings = remarks(
@@ -142,7 +143,7 @@ def calibrate_measured(
 
 
 def check_interpolation(
-    experiment: Experiment, optimum: Fit, measured: Measured, options: CalibrationOptions
+    experiment: Experiment, optimum: Fit, measured: Measured, options: CalibrationOptions, runner: Scheduler
 ) -> tuple[Array, tuple[float, float]]:
     """Wrenches (n, 6) in N, N m simulated at the optimum, and the error of the interpolated forces: rms, largest (N).
 
@@ -159,12 +160,13 @@ def check_interpolation(
         Gives the mesh.
     options : CalibrationOptions
         Gives the engine and its fidelity.
+    runner : Scheduler
+        Where the touches are simulated.
     """
     assert measured.mesh is not None
     modulus, ratio, friction = (float(value) for value in optimum.parameters)
     # rounded to nanometres, so that a fit repeated elsewhere finds the same kept plays
     offsets = np.round(optimum.offsets, 9)
-    runner = make_scheduler(options.workers, options.scheduler)
     plays = play_at(measured.mesh, options.mechanics, experiment.touches, ratio, friction, offsets, runner)
     played = modulus * experiment.rows([play.wrench for play in plays])
     response = experiment.response

@@ -79,7 +79,7 @@ def play_batches(
 
     Parameters
     ----------
-    batches : sequence of Batch
+    batches : sequence of PlayTask
         What is simulated.
     runner : Scheduler, optional
         Where the batches run; in this process where it is ``None``.
@@ -93,7 +93,7 @@ def play_batches(
     """
     order = sorted(range(len(batches)), key=lambda number: -batches[number].effort)
     longest_first = [batches[number] for number in order]
-    outcomes = (runner or LocalScheduler()).outcomes(_play, longest_first, max(1, len(batches)))
+    outcomes = (runner or LocalScheduler()).outcomes(_play, longest_first, len(batches))
     plays: dict[int, list[Play]] = {}
     finished = 0
     with PlayProgress([path for batch in longest_first for path in batch.paths], report_progress) as progress:

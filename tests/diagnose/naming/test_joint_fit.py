@@ -105,7 +105,7 @@ def test_a_refit_reaches_what_the_screen_promises(late):
 
 
 def test_a_fit_is_made_once_until_it_is_forgotten(late, monkeypatch):
-    """The same start and sizes of errors: the same fit. Another start, other sizes, or forgotten effects: a new one."""
+    """A fit with the same start and sizes of errors is made once; others, and forgotten ones, are made anew."""
     white, base = late
     made = []
 
@@ -139,7 +139,7 @@ def test_a_fit_is_made_once_until_it_is_forgotten(late, monkeypatch):
 
 @pytest.mark.slow
 def test_a_second_naming_makes_no_fit_again(late, monkeypatch):
-    """With the fits of the first one it makes none, and its answer is the same."""
+    """A naming that is given the fits of an earlier one of the same touches makes none, and gives the same answer."""
     white, _ = late
     options = NamingOptions(effects=("lag", "relaxation"), profile=False)
     kept, made = KeptFits(), []

@@ -20,7 +20,7 @@ def written_out(refit, signs, size, by_unit, information):
 
 @pytest.mark.parametrize("shared", [3, 12, 40])
 def test_it_is_the_sum_of_squares_of_the_units_scores(shared):
-    """With fewer, as many and more shared parameters than the twelve units."""
+    """The change is the written-out sum, with fewer, as many and more shared parameters than the twelve units."""
     rng = np.random.default_rng(shared)
     units, alternatives, draws = 12, 5, 7
     root = rng.normal(size=(shared, shared))
