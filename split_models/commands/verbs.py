@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +16,7 @@ from split_models.commands import transfer as transfer_command
 from split_models.commands.device_option import DEVICE
 from tactiledata.cli.documents import wrong_document_is_wrong_usage
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say
+from tactiledata.contract.extras import need_packages
 from tactiledata.contract.progress import Progress
 from tactiledata.errors import UsageError
 
@@ -127,12 +127,7 @@ def opened_run(
 
     with wrong_document_is_wrong_usage():
         loaded = load_recipe(recipe, scale)
-    if find_spec("torch") is None:
-        raise UsageError(
-            "PyTorch is not installed",
-            "PyTorch, to train and evaluate",
-            "pip install -c constraints.txt -e '.[models]'",
-        )
+    need_packages("a recipe", "torch")
     from split_models.learning.device import find_device, processes
     from split_models.recipe.recipe_run import RecipeRun
 

@@ -6,7 +6,6 @@ import logging
 import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -21,8 +20,9 @@ from split_models.onnx.gather_map import with_gathers
 from split_models.onnx.models import MODELS, OnnxImageToMesh, OnnxMeshToImage, OnnxModels
 from split_models.recipe.recipe_run import RecipeRun
 from tactiledata.contract.atomic import write_json_atomic
+from tactiledata.contract.extras import need_packages
 from tactiledata.contract.provenance import digest_of
-from tactiledata.errors import TactileDataError, UsageError
+from tactiledata.errors import TactileDataError
 
 TOLERANCE = 1e-4
 """Largest accepted difference to PyTorch, as a share of the largest value that a network gives."""
@@ -137,7 +137,7 @@ def export_models(
         An exported network gives other values than PyTorch.
     """
     # each network with the names of its input and output, and an example of the input
-    require_packages()
+    need_packages("an export to ONNX", *PACKAGES)
     folder.mkdir(parents=True, exist_ok=True)
     shown, moved = torch.as_tensor(pictures), torch.as_tensor(displacements)
     given: dict[str, tuple[nn.Module, str, str, Tensor]] = {
@@ -193,23 +193,6 @@ def write_network(path: Path, network: nn.Module, source: str, target: str, exam
         )
         assert program is not None  # without dynamo it would be
         program.save(str(path))
-
-
-def require_packages() -> None:
-    """Refuse to export where the packages for ONNX are not installed.
-
-    Raises
-    ------
-    UsageError
-        A package is missing.
-    """
-    missing = [name for name in PACKAGES if find_spec(name) is None]
-    if missing:
-        raise UsageError(
-            f"{', '.join(missing)} not installed",
-            "the packages that export to ONNX",
-            "pip install -c constraints.txt -e '.[models]'",
-        )
 
 
 def _agreement(

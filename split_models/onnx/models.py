@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from split_models.networks.network_inputs import require_displacements, require_pictures
+from tactiledata.contract.extras import need_packages
 from tactiledata.contract.schema import parse_document
-from tactiledata.errors import CheckpointError, MissingFile, UsageError
+from tactiledata.errors import CheckpointError, MissingFile
 
 MODELS = "models.json"
 FORMAT = "tactiledata-onnx/1"
@@ -43,10 +43,7 @@ class OnnxModels:
     """
 
     def __init__(self, folder: Path, document: Mapping[str, Any] | None = None, threads: int = 0) -> None:
-        if find_spec("onnxruntime") is None:
-            raise UsageError(
-                "onnxruntime is not installed", "onnxruntime, to run ONNX files", "pip install onnxruntime"
-            )
+        need_packages("an ONNX file", "onnxruntime")
         self.folder, self.threads = folder, threads
         self.document = _document(folder) if document is None else dict(document)
         self.size: tuple[int, int] = tuple(self.document["image_size"])

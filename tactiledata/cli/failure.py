@@ -8,6 +8,7 @@ import typer
 
 from tactiledata import __version__
 from tactiledata.cli.output import emit, err, plain
+from tactiledata.contract.extras import package_behind
 from tactiledata.errors import TactileDataError
 
 DEBUG_VARIABLE = "TACTILEDATA_DEBUG"
@@ -29,8 +30,7 @@ def report_failure(error: Exception, as_json: bool) -> int:
             shown: Any = error
             shown.show()
         return error.exit_code
-    failure = error if isinstance(error, TactileDataError) else _as_ours(error)
-    code = 3 if failure is not error and not isinstance(error, OSError) else failure.exit_code
+    failure, code = _as_ours(error)
     if as_json:
         emit(_document(failure.found, failure.expected, failure.remedy, code))
     else:
@@ -52,17 +52,23 @@ def _document(found: str, expected: str, remedy: str, code: int) -> dict[str, An
     return {"error": found, "expected": expected, "hint": remedy, "code": code}
 
 
-def _as_ours(error: Exception) -> TactileDataError:
-    """Return an error of our tree for one of the system, or for a fault of the program."""
+def _as_ours(error: Exception) -> tuple[TactileDataError, int]:
+    """Return an error of our tree, and its exit code: 3 for a fault of the program, else what the error says."""
+    if isinstance(error, TactileDataError):
+        return error, error.exit_code
+    if (missing := package_behind(error)) is not None:
+        return missing, missing.exit_code
     if isinstance(error, OSError):
         name = f" ({error.filename})" if error.filename else ""
-        return TactileDataError(
+        refused = TactileDataError(
             f"the system refused: {error.strerror or error}{name}",
             "",
             "Check the path, its permissions and the free space.",
         )
-    return TactileDataError(
+        return refused, refused.exit_code
+    fault = TactileDataError(
         f"a fault of tactiledata {__version__}: {type(error).__name__}: {error}",
         "",
         f"Please report it with the traceback that {DEBUG_VARIABLE}=1 shows.",
     )
+    return fault, 3

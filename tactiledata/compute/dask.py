@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from tactiledata.compute.base import Outcome, R, Scheduler, T, attempt, in_order
+from tactiledata.contract.extras import missing_package
 from tactiledata.errors import TactileDataError, UsageError
 
 CONNECT_TIMEOUT = 20.0
@@ -62,11 +63,7 @@ class DaskScheduler(Scheduler):
             from distributed import Client
             from distributed.comm import get_address_host_port
         except ImportError as error:
-            raise UsageError(
-                "the package 'distributed' is not installed",
-                "this package, for --scheduler",
-                "pip install 'tactiledata[dask]'",
-            ) from error
+            raise missing_package("distributed", "--scheduler") from error
         try:
             get_address_host_port(self.address)  # a client of an address that is none would not end by itself
             client = Client(self.address, timeout=CONNECT_TIMEOUT, set_as_default=False)

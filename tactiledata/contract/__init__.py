@@ -9,6 +9,7 @@
 - ``tensor_files``, ``lfs_pointer``: files from strangers. ``simulated``, ``wording``: words that are the same
   everywhere.
 - ``ros2_messages``: messages as they stand in an MCAP.
+- ``extras``: packages that only some commands need.
 - ``progress``, ``worker_pool``: long work: who watches, and processes that end with their parent. ``program``: source
   code as bytes for a digest, without words about it.
 

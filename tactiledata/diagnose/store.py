@@ -9,6 +9,7 @@ from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.calibrate.plays.learned_plays import example_touches
 from tactiledata.compute import make_scheduler
 from tactiledata.compute.threads import one_thread
+from tactiledata.contract.extras import need_packages
 from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.diagnose.answer.diagnosis import StoreDiagnosis
 from tactiledata.diagnose.answer.other_steps import materials_of_meshes
@@ -21,7 +22,6 @@ from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.next_trial.limits import limits
 from tactiledata.diagnose.next_trial.propose import propose_trials
 from tactiledata.diagnose.options import DiagnosisOptions
-from tactiledata.diagnose.residuals.learners import need_learning_library
 from tactiledata.diagnose.touches.simulation_errors import NumericalErrors
 from tactiledata.diagnose.touches.store_touches import StoreTouches, store_touches
 from tactiledata.diagnose.unseen.compare import show
@@ -74,7 +74,7 @@ def diagnose_store(
         not installed.
     """
     # check and read
-    need_learning_library()
+    need_packages("a diagnosis", "sklearn")
     need_sound_values(store, [name for name in store.signal_names if name.partition("@")[0] in READ])
     calibration = options.calibration()
     opened = OpenedStore.planned(store, calibration.pads, calibration.indenter_folder)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.contract.extras import need_packages
 from tactiledata.errors import UsageError
 from tactiledata.metrics.base import Score, Values, metric
 
@@ -36,7 +37,7 @@ def tsne(vectors: Any, perplexity: float = PERPLEXITY, seed: int = 0) -> NDArray
         Fewer than five vectors, NaN, or scikit-learn is not installed.
     """
     points = _vectors(vectors, "vectors", least=5)
-    _need_learning_library()
+    need_packages("an embedding", "sklearn")
     from sklearn.manifold import TSNE
 
     fitted = TSNE(perplexity=min(perplexity, (len(points) - 1) / 3), init="pca", random_state=seed)
@@ -56,7 +57,7 @@ def silhouettes(vectors: Any, labels: Any) -> Values:
     count = len(np.unique(names))
     if names.shape != (len(points),) or not 2 <= count < len(points):
         raise UsageError(f"{len(points)} vectors with {count} labels", "two labels or more, some vectors of each", "")
-    _need_learning_library()
+    need_packages("an embedding", "sklearn")
     from sklearn.metrics import silhouette_samples
 
     return np.asarray(silhouette_samples(points, names), np.float64)
@@ -117,18 +118,6 @@ def _vectors(values: Any, what: str, least: int) -> Values:
     if points.ndim != 2 or len(points) < least or not np.isfinite(points).all():
         raise UsageError(f"{what} of shape {points.shape}", f"at least {least} finite vectors (n, d)", "")
     return points
-
-
-def _need_learning_library() -> None:
-    """Raise a UsageError where scikit-learn is not installed."""
-    from importlib.util import find_spec
-
-    if find_spec("sklearn") is None:
-        raise UsageError(
-            "t-SNE and silhouettes need scikit-learn, which is not installed",
-            "",
-            "pip install -c constraints.txt -e '.[models]'",
-        )
 
 
 EMBEDDING = metric(

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.contract.extras import missing_package
 from tactiledata.errors import UsageError
 from tactiledata.metrics.base import Score, Values, image_pairs, metric
 
@@ -145,9 +146,7 @@ def _structural_similarity() -> Any:
     try:
         from skimage.metrics import structural_similarity
     except ImportError as error:
-        raise UsageError(
-            "SSIM needs scikit-image, which is not installed", "", "pip install -c constraints.txt -e '.[models]'"
-        ) from error
+        raise missing_package("skimage", "SSIM") from error
     return structural_similarity
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.errors import UsageError
+from tactiledata.contract.extras import missing_package
 from tactiledata.metrics.embedding import tsne
 from tactiledata.scoring.sensor_pairs import Encode, load_touches
 from tactiledata.scoring.sensor_sets import SensorSet
@@ -82,9 +82,7 @@ def draw_embedding(
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
     except ImportError as error:
-        raise UsageError(
-            "t-SNE is drawn by matplotlib, which is not installed", "", "pip install -c constraints.txt -e '.[report]'"
-        ) from error
+        raise missing_package("matplotlib", "a picture of t-SNE") from error
     # a panel for each kind of vector, its legend below it
     figure = Figure(figsize=(5.2 * len(drawn), 5.6), layout="constrained")
     FigureCanvasAgg(figure)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from tactiledata.errors import UsageError
+from tactiledata.contract.extras import missing_package
 
 
 def load_rerun() -> Any:
@@ -18,7 +18,5 @@ def load_rerun() -> Any:
     try:
         import rerun
     except ImportError as error:
-        raise UsageError(
-            "the viewer needs rerun, which is not installed", "", "pip install -c constraints.txt -e '.[view]'"
-        ) from error
+        raise missing_package("rerun", "the viewer") from error
     return rerun

@@ -182,6 +182,17 @@ def test_files_that_are_no_documents_are_refused(proof, content):
             continue
 
 
+@pytest.mark.parametrize("number", ["NaN", "-Infinity", "1e999", '"\\ud800"'], ids=["nan", "infinite", "large", "half"])
+@pytest.mark.parametrize("which", ["proof", "seal", "labels", "answer"])
+def test_values_that_have_no_digest_are_refused(proof, which, number):
+    """Numbers that are not finite, and halves of letters, are refused with the file's name."""
+    path = proof.answer(a_name(proof), 1) if which == "answer" else getattr(proof, which)
+    document = path.read_text().rstrip()
+    path.write_text(f'{document[:-1].rstrip()}, "more": {number}}}')
+    with pytest.raises(StoreError, match=f"{path.name} is no JSON"):
+        verify(proof)
+
+
 @pytest.mark.slow
 def test_the_command_exits_with_1_where_something_does_not_fit(proof):
     """`prove --verify` prints what does not fit and exits with 1; a whole proof gives 0."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactiledata.arrays import Array
+from tactiledata.contract.extras import need_packages
 from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.diagnose.formula.candidates import carriers
 from tactiledata.diagnose.formula.open_form import OpenForm, corrected_words, find_candidates, open_form
@@ -17,7 +18,6 @@ from tactiledata.diagnose.formula.unseen import UnseenFormula, held_out
 from tactiledata.diagnose.locate.locate import LocateOptions, LocatorResults, locate
 from tactiledata.diagnose.residuals.ceiling import WORTH, BlackBox, black_box
 from tactiledata.diagnose.residuals.gap import Gap, gap_closed, is_improved, scatter
-from tactiledata.diagnose.residuals.learners import need_learning_library
 from tactiledata.diagnose.residuals.projection import project
 from tactiledata.diagnose.residuals.residuals import Residuals
 from tactiledata.diagnose.residuals.wording import gap_words, growth_words, percent
@@ -156,7 +156,7 @@ def explain(
     TactileDataError
         Too few units of exchange, or scikit-learn is not installed.
     """
-    need_learning_library()
+    need_packages("a diagnosis", "sklearn")
 
     def begin(step: int) -> None:
         progress(step, len(STEPS), STEPS[step])

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.arrays import Array
-from tactiledata.diagnose.residuals.learners import folds, need_learning_library
+from tactiledata.contract.extras import need_packages
+from tactiledata.diagnose.residuals.learners import folds
 from tactiledata.diagnose.residuals.projection import ProjectedResiduals
 
 LABEL = "not explained, do not extrapolate"
@@ -71,7 +72,7 @@ def empirical(projection: ProjectedResiduals, covariates: tuple[str, str], seed:
     TactileDataError
         scikit-learn is not installed.
     """
-    need_learning_library()
+    need_packages("a diagnosis", "sklearn")
     residuals = projection.residuals
     places = np.column_stack([residuals.covariates[name].values for name in covariates])
     low, high = places.min(axis=0), places.max(axis=0)

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactiledata.arrays import Array
+from tactiledata.contract.extras import need_packages
 from tactiledata.diagnose.locate.base import Locator, LocatorInput
-from tactiledata.diagnose.residuals.learners import need_learning_library
 from tactiledata.diagnose.residuals.projection import ProjectedResiduals
 from tactiledata.diagnose.residuals.residuals import Residuals
 from tactiledata.diagnose.residuals.scores import Contributions
@@ -79,7 +79,7 @@ def honest_tree(projection: ProjectedResiduals, seed: int = 0, draws: int = DRAW
     names = list(residuals.covariates)
     if units < 2 * FEWEST_IN_HALF or not names:
         return ()
-    need_learning_library()
+    need_packages("a diagnosis", "sklearn")
     from sklearn.tree import DecisionTreeRegressor
 
     # grow the tree on a random half of the units

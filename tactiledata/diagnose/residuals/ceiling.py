@@ -8,7 +8,8 @@ import numpy as np
 from scipy.stats import t as student
 
 from tactiledata.arrays import Array
-from tactiledata.diagnose.residuals.learners import folds, need_learning_library
+from tactiledata.contract.extras import need_packages
+from tactiledata.diagnose.residuals.learners import folds
 from tactiledata.diagnose.residuals.projection import ProjectedResiduals
 from tactiledata.diagnose.residuals.residuals import Residuals
 
@@ -70,7 +71,7 @@ def black_box(projection: ProjectedResiduals, seed: int = 0) -> BlackBox:
     TactileDataError
         scikit-learn is not installed.
     """
-    need_learning_library()
+    need_packages("a diagnosis", "sklearn")
     from sklearn.ensemble import HistGradientBoostingRegressor
     from threadpoolctl import threadpool_limits
 

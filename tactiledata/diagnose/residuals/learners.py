@@ -1,31 +1,11 @@
-"""Access to scikit-learn, which the base install lacks, and folds over units of exchange."""
+"""Folds over units of exchange, for what learns from residuals."""
 
 from __future__ import annotations
-
-from importlib.util import find_spec
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.diagnose.residuals.residuals import Residuals
-from tactiledata.errors import TactileDataError
-
-
-def need_learning_library() -> None:
-    """Refuse to go on where scikit-learn is not installed.
-
-    Raises
-    ------
-    TactileDataError
-        scikit-learn is not installed.
-    """
-    if find_spec("sklearn") is None:
-        raise TactileDataError(
-            "the package 'scikit-learn' is not installed",
-            "scikit-learn, which a diagnosis needs",
-            "pip install 'tactiledata[models]'",
-        )
-
 
 FOLDS = 5
 """Number of folds in which units of exchange are held out."""

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tactiledata.contract.extras import need_packages
 from tactiledata.diagnose.locate.drifts import Drift
 from tactiledata.diagnose.locate.locate import LEVEL, LocatorResults
 from tactiledata.diagnose.naming.joint_fit import JointFit
 from tactiledata.diagnose.naming.name_effects import NamingResult
 from tactiledata.diagnose.naming.simulator_share import simulator_share
 from tactiledata.diagnose.residuals.ceiling import BlackBox, black_box
-from tactiledata.diagnose.residuals.learners import need_learning_library
 from tactiledata.diagnose.unseen.errors import FORCE, HeldOutErrors, held_out_errors
 from tactiledata.diagnose.unseen.touch_residuals import known_rows, locate_touches
 
@@ -123,7 +123,7 @@ def show(
     TactileDataError
         Too few trajectories, or scikit-learn is not installed.
     """
-    need_learning_library()
+    need_packages("a diagnosis", "sklearn")
     white, base, decision = naming.whitened, naming.base, naming.decision
     names = decision.claimed
     after = decision.best.fit if decision.best is not None else base

@@ -6,7 +6,7 @@ import os
 import sys
 from typing import Any
 
-from tactiledata.errors import UsageError
+from tactiledata.contract.extras import missing_package
 
 
 def load_mujoco(what: str) -> Any:
@@ -31,7 +31,5 @@ def load_mujoco(what: str) -> Any:
     try:
         import mujoco
     except ImportError as error:
-        raise UsageError(
-            f"{what} needs MuJoCo, which is not installed", "", "pip install -c constraints.txt -e '.[sim]'"
-        ) from error
+        raise missing_package("mujoco", what) from error
     return mujoco

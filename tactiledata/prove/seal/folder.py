@@ -27,7 +27,7 @@ from typing import Any
 import numpy as np
 
 from tactiledata.contract.atomic import write_atomic, write_json_atomic
-from tactiledata.contract.provenance import bytes_digest
+from tactiledata.contract.provenance import bytes_digest, json_bytes
 from tactiledata.contract.sealed import fits_seal, sealed_json
 from tactiledata.errors import MissingFile, StoreError, UnsafeContent
 
@@ -149,12 +149,14 @@ def read_json(path: Path, limit: int = LARGEST) -> Any:
     MissingFile
         There is no such file.
     StoreError
-        The file is too large, or no JSON.
+        The file is too large, no JSON, or has numbers or letters that no JSON can have.
     """
     try:
         if path.stat().st_size > limit:
             raise StoreError(f"{path} has {path.stat().st_size} bytes", f"at most {limit}", "It is none of ours.")
-        return json.loads(path.read_bytes())
+        document = json.loads(path.read_bytes())
+        json_bytes(document)  # the package reads NaN, Infinity, 1e999 and halves of letters, none of which has a digest
+        return document
     except FileNotFoundError as error:
         raise MissingFile(f"{path} is missing", "a folder that `tactiledata prove --out` made") from error
     except (ValueError, RecursionError) as error:

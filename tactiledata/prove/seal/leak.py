@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from tactiledata.arrays import Array
+from tactiledata.contract.extras import missing_package
 from tactiledata.errors import UsageError
 from tactiledata.prove.seal.folder import ProofFolder, read_json, read_readings
 
@@ -102,9 +103,7 @@ def find_leak(facts: Array, kinds: list[str], draws: int = 99, seed: int = 0) ->
     try:
         from sklearn.tree import DecisionTreeClassifier
     except ImportError as error:
-        raise UsageError(
-            "scikit-learn is not installed", "it, to look for leaks", "pip install scikit-learn"
-        ) from error
+        raise missing_package("sklearn", "a search for leaks") from error
     if len(kinds) < FEWEST:
         raise UsageError(f"{len(kinds)} cases", f"at least {FEWEST}, to look for leaks", "Draw more cases.")
     chance = np.random.default_rng(seed)

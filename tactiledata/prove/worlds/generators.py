@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from tactiledata.errors import UsageError
+from tactiledata.contract.extras import missing_package
 from tactiledata.registry import Registry
 from tactiledata.rig.bank.bank import ContactBank
 from tactiledata.rig.contact.analytic import touch_analytic
@@ -67,11 +67,7 @@ def element_contact(bank: ContactBank) -> SolveContact:
     try:
         from tactiledata.prove.element_world.bank import ElementBank
     except ImportError as error:
-        raise UsageError(
-            f"the generator 'element' needs a package that is missing ({error})",
-            "scikit-fem",
-            "Install it with: pip install 'tactiledata[prove]'",
-        ) from error
+        raise missing_package("skfem", "the generator 'element'") from error
     return ElementBank(bank.folder).contact
 
 
