@@ -10,6 +10,7 @@ from split_models.commands.device_option import DEVICE, require_device
 from tactiledata.cli.explain import damage_explains
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
+from tactiledata.contract.extras import need_packages
 from tactiledata.errors import UsageError
 
 MODEL = typer.Option(None, "--model", help="Checkpoint of the image VAE to start from [default: the bundled one].")
@@ -38,6 +39,7 @@ def fine_tune(
 
     Example: tactiledata fine-tune gelsight.zarr --epochs 30
     """
+    need_packages("fine-tuning", "torch")
     from split_models.learning.data import TouchFrames
     from split_models.learning.train_options import TrainOptions
     from split_models.transfer.fine_tune import fine_tune as learn

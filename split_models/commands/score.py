@@ -13,6 +13,7 @@ from tactiledata.cli.explain import damage_explains
 from tactiledata.cli.given_values import listed_names
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say, table
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
+from tactiledata.contract.extras import need_packages
 from tactiledata.errors import UnknownName
 
 if TYPE_CHECKING:
@@ -57,6 +58,7 @@ def score(
 
     Example: tactiledata score both.zarr --metric histogram_intersection,gram_style,tsne --against ycb-sensorA
     """
+    need_packages("a score", "torch")
     from split_models.transfer.latent_vectors import picture_vectors, vectors_by_model
     from tactiledata.scoring.background_targets import score_backgrounds, sentences, unlocated
     from tactiledata.scoring.chosen_scores import KEPT, TSNE, chosen_scores

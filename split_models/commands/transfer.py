@@ -16,6 +16,7 @@ from tactiledata.cli.given_values import listed_names
 from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say
 from tactiledata.cli.task_options import SCHEDULER, WORKERS
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
+from tactiledata.contract.extras import need_packages
 from tactiledata.contract.wording import counted
 
 if TYPE_CHECKING:
@@ -64,6 +65,7 @@ def transfer(
 
     Example: tactiledata transfer --to ycb-sensorA
     """
+    need_packages("a transfer", "torch")
     from split_models.transfer.method_choice import choose_method, documents, kept_by, touch_samples
     from split_models.transfer.transfer_picture import write_transfer_picture
     from split_models.transfer.transfer_store import refuse_unfit, transfer_store

@@ -12,6 +12,7 @@ from tactiledata.cli.given_values import listed_names
 from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say, table
 from tactiledata.cli.task_options import SCHEDULER, WORKERS
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
+from tactiledata.contract.extras import GEL, PAGE, need_packages
 
 
 def register(app: typer.Typer) -> None:
@@ -64,6 +65,7 @@ def calibrate(
 
     Example: tactiledata calibrate ds.zarr --trajectories 25 --workers 2
     """
+    need_packages("a calibration", *GEL, *PAGE)
     from tactiledata.calibrate.calibrate import calibrate as run
     from tactiledata.calibrate.document import write_calibration
     from tactiledata.calibrate.options import CalibrationOptions

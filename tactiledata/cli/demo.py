@@ -13,6 +13,7 @@ from tactiledata.cli.demo_steps.gel import play_gel
 from tactiledata.cli.demo_steps.transfer import transfer_touches
 from tactiledata.cli.documents import wrong_document_is_wrong_usage
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say
+from tactiledata.contract.extras import GEL, PAGE, missing_package, need_packages
 from tactiledata.contract.wording import counted
 from tactiledata.errors import UsageError
 
@@ -42,6 +43,7 @@ def demo(
 
     Example: tactiledata demo --out demo-out
     """
+    need_packages("the demo", "sklearn", *GEL, *PAGE)
     from tactiledata.ingest.pipeline import ingest
     from tactiledata.ingest.sources.overview import write_report
     from tactiledata.replay.overview import mesh_sections
@@ -147,7 +149,7 @@ def _load_batch(store_path: Path) -> dict[str, Any]:
     try:
         from torch.utils.data import DataLoader
     except ImportError:
-        return {"said": "left out, since PyTorch is not installed: pip install 'tactiledata[models]'"}
+        return {"said": f"left out: {missing_package('torch', 'a batch of PyTorch')}"}
     from tactiledata.loaders.torch import TactileDataset
 
     streams = ("digit", "contact_wrench", "mesh")

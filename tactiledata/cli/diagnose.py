@@ -14,6 +14,7 @@ from tactiledata.cli.given_values import listed_names
 from tactiledata.cli.output import JSON_OPTION, emit, err, plain, progress, say
 from tactiledata.cli.task_options import scheduler_option, workers_option
 from tactiledata.cli.working_store import working_store
+from tactiledata.contract.extras import GEL, PAGE, need_packages
 from tactiledata.errors import TactileDataError, UsageError
 
 TABLES = (".csv", ".tsv", ".parquet")
@@ -77,6 +78,7 @@ def diagnose(
     Example: tactiledata diagnose ds.zarr --out diagnosis
     """
     # refuse wrong usage before any work
+    need_packages("a diagnosis", "sklearn", *PAGE)
     is_table = source is not None and (Path(source).suffix in TABLES or Path(source).is_file())
     _refuse(context, STORE_ONLY if is_table else TABLE_ONLY, "a table" if is_table else "a store")
     out = None if out is None else _writable(out)
@@ -86,6 +88,7 @@ def diagnose(
     if is_table:
         document, written, is_found = _table(Path(source), out, seed, columns, group, as_json)
     else:
+        need_packages("a diagnosis of a store", *GEL)
         from tactiledata.diagnose.options import DiagnosisOptions
 
         options = DiagnosisOptions(

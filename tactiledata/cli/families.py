@@ -10,6 +10,7 @@ import typer
 
 from tactiledata.cli.documents import mapping_document
 from tactiledata.cli.output import JSON_OPTION, emit, err, findings, plain, say, table
+from tactiledata.contract.extras import need_packages
 from tactiledata.contract.wording import counted
 from tactiledata.errors import TactileDataError, UsageError
 
@@ -56,6 +57,7 @@ def indenters(
 
     members = {name: INDENTERS[name]() for name in INDENTERS}
     if picture is not None:
+        need_packages("a picture", "matplotlib")
         from tactiledata.indenters.gallery import draw_gallery
 
         draw_gallery(picture)

@@ -8,6 +8,7 @@ import typer
 
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say
 from tactiledata.cli.working_store import working_store
+from tactiledata.contract.extras import GEL, need_packages
 from tactiledata.errors import UsageError
 
 
@@ -52,6 +53,7 @@ def plant(
 
 def _plant(location: str, effect: str, size: float | None, into: Path, as_json: bool) -> None:
     """Plant an effect into a copy of a store, or go on with a copy that was begun."""
+    need_packages("planting an effect", *GEL)
     from tactiledata.prove.plant.label import drawn_planting, kept_planting, seal_files, write_label
     from tactiledata.prove.plant.planting import need_readings, plant_into
     from tactiledata.prove.seal.folder import read_json

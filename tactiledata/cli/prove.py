@@ -12,6 +12,7 @@ import typer
 from tactiledata.cli.given_values import listed_names
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say, table
 from tactiledata.cli.task_options import SCHEDULER, WORKERS
+from tactiledata.contract.extras import GEL, PAGE, need_packages
 from tactiledata.contract.wording import counted
 from tactiledata.errors import UsageError
 
@@ -96,6 +97,7 @@ def prove(
         "nulls": nulls, "visible": visible, "concealed": concealed, "pairs": pairs, "outside": outside,
         "ambiguous": ambiguous, "drawn": drawn,
     }  # fmt: skip
+    need_packages("a proof", "sklearn", *GEL, *PAGE)
     folder = ProofFolder(out.absolute())
     request = _request(
         context,

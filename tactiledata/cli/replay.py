@@ -13,6 +13,7 @@ from tactiledata.cli.explain import damage_explains
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say
 from tactiledata.cli.task_options import SCHEDULER, WORKERS
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
+from tactiledata.contract.extras import GEL, PAGE, need_packages
 from tactiledata.errors import UnknownName, UsageError
 
 SOFTEST, STIFFEST = 1e3, 1e9
@@ -67,6 +68,7 @@ def replay(
 
     Example: tactiledata replay ds.zarr --calibration calibration.json --workers 2
     """
+    need_packages("a replay", *GEL, *PAGE)
     from tactiledata.effects.simulate.setting import settings_of
     from tactiledata.gel.elasticity.material import GelMaterial
     from tactiledata.replay.attach import replay as attach

@@ -11,6 +11,7 @@ from tactiledata.cli.explain import damage_explains
 from tactiledata.cli.next_steps import next_steps
 from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say, table
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
+from tactiledata.contract.extras import PAGE, need_packages
 from tactiledata.contract.wording import counted
 from tactiledata.errors import UnknownName
 
@@ -172,6 +173,7 @@ def report(
 
     Example: tactiledata report ds.zarr --out report
     """
+    need_packages("a page", *PAGE)
     from tactiledata.ingest.sources.overview import write_report
     from tactiledata.replay.overview import mesh_sections
     from tactiledata.store.read.reader import Store

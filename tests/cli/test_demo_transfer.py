@@ -66,7 +66,7 @@ def test_a_used_picture_is_no_target(tiny_world):
 @pytest.mark.parametrize(
     ("missing", "says"),
     [
-        ("torch", "PyTorch is not installed"),
+        ("torch", "a transfer needs torch, which is not installed"),
         ("commands", "no installed package adds the commands transfer and score"),
         ("target", "have all bundled pictures"),
     ],

@@ -159,5 +159,5 @@ def test_engines_by_name():
 def test_without_mujoco_it_says_so(monkeypatch):
     """Without MuJoCo the engine names the extra that installs it."""
     monkeypatch.setitem(sys.modules, "mujoco", None)
-    with pytest.raises(UsageError, match=r"(?s)not installed.*\.\[sim\]"):
+    with pytest.raises(UsageError, match=r"(?s)not installed.*tactiledata\[sim\]"):
         flex.FlexEngine(slab(), NU)

@@ -1,11 +1,10 @@
 """Measures of mixing on a few points of a line, and what t-SNE is asked for."""
 
-import importlib.util
-
 import numpy as np
 import pytest
 import sklearn.manifold
 
+from tactiledata.contract import extras
 from tactiledata.errors import UsageError
 from tactiledata.metrics.embedding import EMBEDDING, knn_mixing, mmd, silhouette, silhouettes, tsne
 
@@ -112,9 +111,9 @@ def test_perplexity_is_at_most_a_third_of_the_others(count, given, perplexity, s
 
 def test_without_scikit_learn_it_is_named(monkeypatch):
     """The error says what is missing and how it is installed."""
-    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    monkeypatch.setattr(extras, "find_spec", lambda name: None)
     for ask in (lambda: tsne(np.zeros((9, 2))), lambda: silhouettes(line(0, 1, 2), [0, 0, 1])):
-        with pytest.raises(UsageError, match=r"need scikit-learn.*pip install"):
+        with pytest.raises(UsageError, match=r"needs scikit-learn.*pip install"):
             ask()
 
 

@@ -10,6 +10,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from tactiledata.contract.extras import missing_package
 from tactiledata.contract.wording import agreeing
 from tactiledata.errors import TactileDataError
 
@@ -89,7 +90,7 @@ def _lacking(commands: Mapping[str, Any], target: str | None) -> str:
     if missing := [name for name in ("transfer", "score") if name not in commands]:
         return f"no installed package adds the {agreeing(len(missing), 'command', 'commands')} {' and '.join(missing)}"
     if find_spec("torch") is None:
-        return "PyTorch is not installed: pip install 'tactiledata[models]'"
+        return str(missing_package("torch", "a transfer"))
     return "" if target else "the sensors of this world have all bundled pictures, and none is left as a target"
 
 
