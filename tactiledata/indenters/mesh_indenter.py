@@ -190,6 +190,8 @@ def _read(path: Path, where: str) -> trimesh.Trimesh:
         raise _not_a_mesh(path, where, f"{type(error).__name__}: {error}") from error
     if not isinstance(loaded, trimesh.Trimesh) or not len(loaded.faces):
         raise _not_a_mesh(path, where, "no triangles in it")
+    if loaded.vertices.shape[1] != 3:
+        raise _not_a_mesh(path, where, f"vertices with {loaded.vertices.shape[1]} coordinates")
     return loaded
 
 

@@ -131,6 +131,15 @@ def test_not_a_number_is_refused(folder):
         make_indenter({"mesh": "nan.obj", "unit": "mm"}, folder, "test")
 
 
+def test_vertices_in_a_plane_are_refused(folder):
+    """Vertices of two coordinates, which the loader accepts, are no surface."""
+    text = (folder / "cube.obj").read_text()
+    flat = [" ".join(line.split()[:3]) if line.startswith("v ") else line for line in text.splitlines()]
+    (folder / "flat.obj").write_text("\n".join(line for line in flat if not line.startswith("vn")) + "\n")
+    with pytest.raises(SchemaError, match="vertices with 2 coordinates"):
+        make_indenter({"mesh": "flat.obj", "unit": "mm"}, folder, "test")
+
+
 def test_degenerate_triangle_does_not_spoil_signs(folder):
     """A triangle without area, as CAD programs write them, leaves inside and outside alone."""
     cube = cube_in_millimetres()

@@ -78,11 +78,35 @@ def test_brackets_without_end_are_no_facts_of_sensors(folder: Path) -> None:
         Store.open(folder).sensors()
 
 
+@pytest.mark.parametrize("value", ["NaN", "1e999", '"\\ud800"'])
+def test_facts_without_a_digest_are_refused(folder: Path, value: str) -> None:
+    """Numbers that are not finite and halves of letters in `sensors.json` are refused, and found by the check."""
+    place = folder / "sensors.json"
+    facts = json.loads(place.read_text())
+    sensor = next(iter(facts))
+    facts[sensor] = {"odd": "HERE"}
+    place.write_text(json.dumps(facts).replace('"HERE"', value))
+    assert "damage" in {finding.severity for finding in check(folder)}
+    with pytest.raises(StoreError, match=r"sensors\.json does not hold the sensors"):
+        Store.open(folder).sensors()
+
+
 def test_a_table_of_a_split_that_is_a_pipe_is_named(folder: Path) -> None:
     """The finding names the table, not the document that is whole."""
     in_its_place(folder / "splits/default.parquet", "pipe")
     [finding] = [one for one in check(folder, images=False) if one.code == "store-split"]
     assert "default.parquet is a pipe or a device" in finding.message
+
+
+def test_a_fill_value_beyond_its_type_is_damage(folder: Path) -> None:
+    """A number that the array's type cannot hold is found by the check and refused by a reader."""
+    place = folder / "signals" / "wrench" / "t_ns" / "zarr.json"
+    document = json.loads(place.read_text())
+    document["fill_value"] = 10**30
+    place.write_text(json.dumps(document))
+    assert "damage" in {finding.severity for finding in check(folder)}
+    with pytest.raises(StoreError, match="metadata that cannot be read"):
+        Store.open(folder).signal("wrench").t_ns(0, 5)
 
 
 def test_chunks_without_rows_are_damage(folder: Path) -> None:

@@ -59,6 +59,7 @@ def read_csv_table(path: Path, stream: str = "", separators: str = ",") -> CsvTa
     """
     text = _Text(path.name, stream, _content(path))
     _check_is_text(text)
+    text.body = text.body.lstrip(b"\r\n")
     end = re.search(rb"\r\n|\n|\r", text.body)
     header, rest = (text.body, b"") if end is None else (text.body[: end.start()], text.body[end.end() :])
     separator = _separator(text.name, header, separators)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from tactiledata.contract.atomic import readable_json
 from tactiledata.contract.lfs_pointer import refuse_pointer_bytes
-from tactiledata.contract.provenance import digest_of
+from tactiledata.contract.provenance import digest_of, json_bytes
 from tactiledata.contract.records import Finding
 from tactiledata.errors import StoreError
 from tactiledata.sensors.same_sensor import SAME_GEL_LEVELS, levels_apart
@@ -100,7 +100,9 @@ def parse_sensors(content: bytes | None, manifest: Mapping[str, Any], where: str
     refuse_pointer_bytes(content or b"", where)
     try:
         facts = json.loads(content or b"")
-        return {sensor: facts[sensor] for sensor in manifest["sensors"]}
+        named = {sensor: facts[sensor] for sensor in manifest["sensors"]}
+        json_bytes(named)  # half of a letter and NaN, which Python reads, have no digest
+        return named
     except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise StoreError(
             f"{where} does not hold the sensors that the manifest names: {error}",

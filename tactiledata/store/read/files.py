@@ -281,7 +281,7 @@ def _opened(store: zarr.abc.store.Store, path: str, files: StoreFiles) -> zarr.A
         return array
     except FileNotFoundError as error:
         raise missing_file(path, location) from error
-    except (ValueError, TypeError, KeyError, AttributeError) as error:
+    except (ValueError, TypeError, KeyError, AttributeError, OverflowError) as error:
         files.need_fetched(path)
         raise StoreError(
             f"array {path} in {location} has metadata that cannot be read: {error}",

@@ -156,10 +156,11 @@ def test_missing_and_broken_images_keep_their_moment(tmp_path):
             "\n".join(",".join(f'"{cell}"' for cell in row.split(",")) for row in text.splitlines()).encode() + b"\n"
         ),
         lambda text: text.replace("\n", "\n\n").encode(),
+        lambda text: f"\n\r\n{text}".encode(),
         lambda text: text.replace(",", " , ").encode(),
         lambda text: "\n".join(",".join(reversed(row.split(","))) for row in text.splitlines()).encode() + b"\n",
     ],
-    ids=["bom-crlf", "quoted", "blank-lines", "spaces", "other-column-order"],
+    ids=["bom-crlf", "quoted", "blank-lines", "blank-first-lines", "spaces", "other-column-order"],
 )
 def test_ways_to_write_csv_do_not_matter(tmp_path, dress):
     """Byte order mark, CRLF, quotes, blank lines, spaces and the order of columns change nothing."""
