@@ -162,6 +162,8 @@ def test_a_published_root_finds_a_proof_that_was_sealed_anew(proof):
         (lambda seal: seal["cases"].update({"0" * 16: 5}), StoreError),
         (lambda seal: seal["cases"].update({"../../x": dict(next(iter(seal["cases"].values())))}), UnsafeContent),
         (lambda seal: seal.update(tool=[]), StoreError),
+        (lambda seal: seal["tool"].update(numbers=5), StoreError),
+        (lambda seal: seal["tool"]["numbers"].update(thresholds=2.5), StoreError),
     ],
 )
 def test_a_seal_that_is_none_is_refused(proof, change, error):

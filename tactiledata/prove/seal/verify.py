@@ -142,6 +142,9 @@ def need_seal(folder: ProofFolder, seal: Mapping[str, Any]) -> None:
     )
     if seal.get("format") != FORMAT or not whole or not isinstance(tool, dict) or "digest" not in tool:
         raise StoreError(f"{folder.seal} is no seal", f"a seal of format {FORMAT}", "Restore it from a copy.")
+    numbers = tool.get("numbers", {})
+    if not isinstance(numbers, dict) or not all(isinstance(group, dict) for group in numbers.values()):
+        raise StoreError(f"{folder.seal} has no numbers by groups", "thresholds of the tool", "Restore it from a copy.")
     for field in ("root", "request_sha256"):
         if field not in seal:
             raise StoreError(f"{folder.seal} has no field {field!r}", "a seal", "Restore it from a copy.")
