@@ -314,7 +314,7 @@ def _trajectories(
         touches.append(Trajectory(name, nominal_ns(int(rows[0])), end, sensor, probe, {"probe": probe, **extra}))
     touches.sort(key=lambda touch: touch.start_ns)
     parted = []
-    for touch, following in zip(touches, [*touches[1:], None], strict=True):
+    for touch, following in zip_longest(touches, touches[1:]):
         if following is not None and touch.end_ns > following.start_ns:
             found = f"{touch.name} reaches into {following.name} and is ended where that begins"
             intake.note("trajectory-overlap", "damage", found, trajectory=touch.name)

@@ -75,6 +75,20 @@ def test_mismatches_are_said(tmp_path):
         assert all(one[1] <= other[0] for one, other in pairwise(edges))
 
 
+def test_a_batch_without_contacts_is_read(tmp_path):
+    """Where no listed contact has an image, all images are read, without trajectories, and each contact is named."""
+    root = sparsh_force.write(tmp_path, np.random.default_rng(9), probes=("sphere",))
+    place = root / "sphere/batch_1/dataset_slip_forces.pkl"
+    labels = pickle.loads(place.read_bytes())
+    for content in labels["trajectories"].values():
+        content["indexes"] = content["indexes"] + 1000
+    place.write_bytes(pickle.dumps(labels))
+    recording, sink = read(FORMAT, root)[0]
+    assert recording.trajectories == ()
+    assert len(sink.images) == 40
+    assert {"index-outside", "trajectory-empty"} <= codes(recording)
+
+
 def test_a_cut_file_does_not_shift_forces(tmp_path):
     """A cut file loses its later images as missing moments; every force stays with its image."""
     whole, sink_whole = first(tmp_path / "a")

@@ -98,6 +98,17 @@ def test_a_table_of_a_split_that_is_a_pipe_is_named(folder: Path) -> None:
     assert "default.parquet is a pipe or a device" in finding.message
 
 
+def test_a_changed_chunk_is_told_in_words(folder: Path) -> None:
+    """A chunk whose bytes were changed is refused, and no raw bytes stand in the sentence."""
+    place = one_of(folder, "signals/wrench/value/c.*")
+    content = bytearray(place.read_bytes())
+    content[len(content) // 2] ^= 1
+    place.write_bytes(content)
+    with pytest.raises(StoreError, match="do not fit their checksum; expected a chunk") as error:
+        Store.open(folder).signal("wrench").values(0, 5)
+    assert "b'" not in str(error.value)
+
+
 def test_a_fill_value_beyond_its_type_is_damage(folder: Path) -> None:
     """A number that the array's type cannot hold is found by the check and refused by a reader."""
     place = folder / "signals" / "wrench" / "t_ns" / "zarr.json"

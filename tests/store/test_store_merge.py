@@ -137,6 +137,8 @@ def test_merge_says_that_splits_stay_behind(tmp_path: Path) -> None:
     for suffix in (".json", ".parquet"):
         (folder / f"splits/default{suffix}").write_bytes(b"{}")
     assert "merge-split" in {found.code for found in merge([folder], tmp_path / "ab")}
+    twice = [found.code for found in merge([folder, folder], tmp_path / "aa")]
+    assert twice.count("merge-split") == 1
 
 
 def test_merge_into_itself_is_refused(tmp_path: Path) -> None:

@@ -90,7 +90,8 @@ def _merge(
     findings += carry_flags([origin.store for origin in origins], target)
     commit_groups(target, takes())
     _carry_sensors(origins, target)
-    for store in (origin.store for origin in origins):
+    # a store that is named twice is told of once
+    for store in {origin.store.location: origin.store for origin in origins}.values():
         if names := store.split_names():
             listed = ", ".join(names)
             message = f"splits of {store.location} were not copied ({listed}): they belong to that store; split anew"

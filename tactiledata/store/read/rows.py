@@ -60,8 +60,10 @@ class Rows:
             rows = np.asarray(array[index * size : min((index + 1) * size, self.length)])
         except (ValueError, RuntimeError) as error:
             self._files.need_fetched(self._path)
+            # zarr's message prints both checksums as raw bytes
+            why = "its bytes do not fit their checksum" if "checksum" in str(error) else str(error)
             raise StoreError(
-                f"chunk {index} of array {self._path} in {self._files.location} is damaged: {error}",
+                f"chunk {index} of array {self._path} in {self._files.location} is damaged: {why}",
                 "a chunk that fits its CRC-32C",
                 "Run `tactiledata check` to see what it concerns; restore the file from a copy.",
             ) from error
