@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING
 
 import typer
@@ -136,4 +137,5 @@ def _print_report(report: TransferReport, to: str, way: TransferMethod, location
         say(note)
     findings((report.target.name, finding) for finding in report.findings)
     say(f"wrote {report.out} and {picture}: look at the picture before you train on them")
-    say(f"to train on both: tactiledata merge {location} {report.out} --into with-children/both.zarr, then split that")
+    both = f"{quote(str(location))} {quote(str(report.out))} --into with-children/both.zarr"
+    say(f"to train on both: tactiledata merge {both}, then split that")

@@ -8,7 +8,7 @@ from typing import Any
 import typer
 
 from tactiledata.cli.explain import damage_explains
-from tactiledata.cli.given_values import listed_names
+from tactiledata.cli.given_values import listed_names, need_writable_folder
 from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say, table
 from tactiledata.cli.task_options import SCHEDULER, WORKERS
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
@@ -78,6 +78,7 @@ def calibrate(
         raise UsageError(
             f"--out {out}", "a file name that ends in .json", "The page beside that file has the ending .html."
         )
+    need_writable_folder(out.parent, out.name, out.with_suffix(".html").name)
     # fit
     options = CalibrationOptions(
         loss=loss,  # type: ignore[arg-type]

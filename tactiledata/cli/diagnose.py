@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import errno
-import os
 from pathlib import Path
 from typing import Any
 
 import typer
 
 from tactiledata.cli.documents import wrong_document_is_wrong_usage
-from tactiledata.cli.given_values import listed_names
+from tactiledata.cli.given_values import listed_names, need_writable_folder
 from tactiledata.cli.output import JSON_OPTION, emit, err, plain, progress, say
 from tactiledata.cli.task_options import scheduler_option, workers_option
 from tactiledata.cli.working_store import working_store
 from tactiledata.contract.extras import GEL, PAGE, need_packages
-from tactiledata.errors import TactileDataError, UsageError
+from tactiledata.errors import UsageError
 
 TABLES = (".csv", ".tsv", ".parquet")
 """Endings of files that are read as tables."""
@@ -81,7 +79,8 @@ def diagnose(
     need_packages("a diagnosis", "sklearn", *PAGE)
     is_table = source is not None and (Path(source).suffix in TABLES or Path(source).is_file())
     _refuse(context, STORE_ONLY if is_table else TABLE_ONLY, "a table" if is_table else "a store")
-    out = None if out is None else _writable(out)
+    if out is not None:
+        need_writable_folder(out, "report.html")
     if not 0 <= seed < SEEDS:
         raise UsageError(f"--seed {seed}", f"0 or more, below {SEEDS}", "Any of these numbers serves.")
     # diagnose
@@ -137,17 +136,6 @@ def _folder(path: Path | None) -> Path | None:
     if path is not None and not path.is_dir():
         raise UsageError(f"--indenters {path} is no folder", "the folder of the mesh files that recordings name")
     return path
-
-
-def _writable(out: Path) -> Path:
-    """Return the folder for the results; refuse a path that cannot be written to, before any work is done."""
-    nearest = next(place for place in (out, *out.absolute().parents) if place.exists())
-    if not nearest.is_dir() or (out / "report.html").is_dir():
-        raise UsageError(f"--out {out} cannot be written to", "a folder, or a place for one", "Name another folder.")
-    if not os.access(nearest, os.W_OK | os.X_OK):
-        what = f"--out {out} cannot be written to: {os.strerror(errno.EACCES)} ({nearest})"
-        raise TactileDataError(what, "a folder that may be written to", "Check your rights, or name another folder.")
-    return out
 
 
 def _table(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -47,6 +48,7 @@ def export_data(
     """
     from tactiledata.export.export import export_data as write
     from tactiledata.export.plan import ExportPlan
+    from tactiledata.loaders.selection import FlaggedTrajectoriesWarning
     from tactiledata.store.read.reader import Store
 
     location = working_store(store)
@@ -54,7 +56,13 @@ def export_data(
     chosen = None if streams is None else tuple(name.strip() for name in streams.split(",") if name.strip())
     plan = ExportPlan(to, split or "", camera or "", chosen, action or "", file_mb)
     place = out if out is not None else Path(f"{Path(location.rstrip('/')).stem}-{to}")
-    with damage_explains(location), progress(f"exporting to {to}", quiet=as_json) as report_progress:
+    with (
+        damage_explains(location),
+        progress(f"exporting to {to}", quiet=as_json) as report_progress,
+        warnings.catch_warnings(),
+    ):
+        # the export's remarks say the same
+        warnings.simplefilter("ignore", FlaggedTrajectoriesWarning)
         report = write(Store.open(location), plan, place, replace, report_progress)
     if as_json:
         emit({"folder": str(report.folder), "was_there": report.was_there, **report.document})

@@ -5,12 +5,15 @@ Blank ones are wrong usage, lists name something, and no page or picture is writ
 
 from __future__ import annotations
 
+import errno
+import os
+from pathlib import Path
 from typing import Any
 
 import typer
 from typer.core import TyperCommand
 
-from tactiledata.errors import UsageError
+from tactiledata.errors import TactileDataError, UsageError
 
 OUTPUT = "out"
 """Name of the parameter that says where a command writes what is no store; one that writes a store has another name."""
@@ -60,6 +63,40 @@ def _refuse_store(path: str, option: str) -> None:
             f"{option} {path!r} lies in the store {store}",
             "a place outside any store",
             "Name another place: what is no part of a store would be damage in it.",
+        )
+
+
+def need_writable_folder(folder: Path, *files: str) -> None:
+    """Refuse a folder for results that cannot be written to, before any work is done.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder; it need not exist.
+    *files : str
+        Names of files that will be written there.
+
+    Raises
+    ------
+    UsageError
+        A file stands in the place of the folder or of its parents, or a folder in the place of a file.
+    TactileDataError
+        The folder, or the nearest that exists around it, may not be written to.
+    """
+    nearest = next(place for place in (folder, *folder.absolute().parents) if place.exists())
+    in_the_way = [name for name in files if (folder / name).is_dir()]
+    if not nearest.is_dir() or in_the_way:
+        why = f"{in_the_way[0]} in it is a folder" if in_the_way else f"{nearest} is a file"
+        raise UsageError(
+            f"the folder {folder} cannot be written to: {why}",
+            "a folder, or a place for one",
+            "Name another with --out.",
+        )
+    if not os.access(nearest, os.W_OK | os.X_OK):
+        raise TactileDataError(
+            f"the folder {folder} cannot be written to: {os.strerror(errno.EACCES)} ({nearest})",
+            "a folder that may be written to",
+            "Check your rights, or name another with --out.",
         )
 
 

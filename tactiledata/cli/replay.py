@@ -10,6 +10,7 @@ import typer
 
 from tactiledata.cli.documents import calibration_document, effects_document
 from tactiledata.cli.explain import damage_explains
+from tactiledata.cli.given_values import need_writable_folder
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say
 from tactiledata.cli.task_options import SCHEDULER, WORKERS
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
@@ -90,6 +91,7 @@ def replay(
             f"{SOFTEST:g} to {STIFFEST:g} Pa: a soft gel has 1e5 to 1e6",
             "State it in pascals: 0.9 MPa is 0.9e6, 900 kPa is 900e3.",
         )
+    need_writable_folder(out)
     if not 0 < gap_limit < 1e6:
         raise UsageError(f"--gap-limit {gap_limit}", "a number of seconds above 0")
     # material and effects: stated values win over the files

@@ -8,6 +8,7 @@ from pathlib import Path
 import typer
 
 from tactiledata.cli.explain import damage_explains
+from tactiledata.cli.given_values import need_writable_folder
 from tactiledata.cli.next_steps import next_steps
 from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say, table
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
@@ -174,6 +175,7 @@ def report(
     Example: tactiledata report ds.zarr --out report
     """
     need_packages("a page", *PAGE)
+    need_writable_folder(out, "report.html")
     from tactiledata.ingest.sources.overview import write_report
     from tactiledata.replay.overview import mesh_sections
     from tactiledata.store.read.reader import Store

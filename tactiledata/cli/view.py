@@ -5,10 +5,12 @@ from __future__ import annotations
 import sys
 import webbrowser
 from pathlib import Path
+from shlex import quote
 
 import typer
 
 from tactiledata.cli.explain import damage_explains
+from tactiledata.cli.given_values import need_writable_folder
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say
 from tactiledata.cli.working_store import store_and_names
 from tactiledata.errors import UsageError
@@ -51,8 +53,11 @@ def view(
     from tactiledata.store.read.reader import Store
     from tactiledata.view.options import ViewOptions
     from tactiledata.view.recording import write_view
-    from tactiledata.view.serve import has_display, need_display, open_viewer
+    from tactiledata.view.serve import has_display, need_display, need_port, open_viewer
 
+    need_writable_folder(out.parent, out.name)
+    if web:
+        need_port(port)
     location, names = store_and_names(words)
     if web and window:
         raise UsageError("--web with --open", "one of them", "Leave one out.")
@@ -73,7 +78,7 @@ def view(
     elif window or (window is None and not as_json and sys.stdout.isatty() and has_display()):
         open_viewer(out)
     elif not as_json:
-        say(f"look: rerun {out}, or the same command with --web")
+        say(f"look: rerun {quote(str(out))}, or the same command with --web")
 
 
 def _serve(path: Path, port: int) -> None:

@@ -258,6 +258,8 @@ def read_document(path: Path, schema: str | None = None) -> Any:
         raise SchemaError(
             f"{path} is not UTF-8 text (byte {error.start})", "a text file", path="$", file=str(path)
         ) from error
+    if schema is not None and not text.strip():
+        raise SchemaError(f"{path} is empty", f"a document of the kind {schema}", "Write it anew.", file=str(path))
     document = parse_document(text, str(path))
     _check_numbers(document, str(path))
     if schema is not None:

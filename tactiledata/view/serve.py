@@ -111,9 +111,7 @@ def served(path: Path, port: int = PORT) -> Iterator[str]:
     try:
         server = ThreadingHTTPServer((HOST, port), partial(_Answer, path, page_port))
     except (OSError, OverflowError) as error:
-        raise UsageError(
-            f"port {port} cannot be used: {error}", "a free port", "Name another --port, or 0 for any."
-        ) from error
+        raise _port_refused(port, error) from error
     thread = Thread(target=server.serve_forever, daemon=True)
     thread.start()
     try:
@@ -124,6 +122,28 @@ def served(path: Path, port: int = PORT) -> Iterator[str]:
         server.shutdown()
         server.server_close()
         thread.join()
+
+
+def need_port(port: int) -> None:
+    """Refuse a port that cannot be used, before a file is written that it would serve.
+
+    Raises
+    ------
+    UsageError
+        The port is taken, or is no port.
+    """
+    try:
+        # as the server will: an address that was served a moment ago may be taken again
+        with socket.socket() as tried:
+            tried.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            tried.bind((HOST, port))
+    except (OSError, OverflowError) as error:
+        raise _port_refused(port, error) from error
+
+
+def _port_refused(port: int, error: Exception) -> UsageError:
+    """Return the error of a port that cannot be used."""
+    return UsageError(f"port {port} cannot be used: {error}", "a free port", "Name another --port, or 0 for any.")
 
 
 def _serve_page() -> int:
