@@ -7,6 +7,7 @@ from browser import DESKTOP, PHONE, open_browser
 
 OPEN_ALL = "document.querySelectorAll('details').forEach(part => part.open = true)"
 TOO_WIDE = "document.documentElement.scrollWidth > innerWidth"
+TALL_ROWS = "[...document.querySelectorAll('tr')].filter(row => row.offsetHeight > innerHeight).length"
 PICTURES = "[...document.images].filter(image => !image.naturalWidth || !image.alt.trim()).length"
 INK = "getComputedStyle(document.body).color + ' on ' + getComputedStyle(document.body).backgroundColor"
 AUDIT = (
@@ -46,6 +47,7 @@ async def faults_of(pages, folder):
                 await tab.run(f"{axe_script()};0")
                 faults += [f"{where}: {fault}" for fault in await tab.run(AUDIT)]
                 faults += [f"{where}: wider than the window"] * (await tab.run(TOO_WIDE))
+                faults += [f"{where}: a row of a table is higher than the window"] * (await tab.run(TALL_ROWS))
                 faults += [f"{where}: a picture is not there, or has no words"] * (await tab.run(PICTURES))
                 faults += [f"{where}: {error}" for error in tab.errors]
                 tab.errors.clear()

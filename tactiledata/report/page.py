@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 CODE = re.compile(r"`([^`\n]+)`")
 """What a sentence quotes of a command or a program."""
+PROSE = 60
+"""Letters of a cell from which it is a sentence: its column is not squeezed to a few letters on a phone."""
 TEMPLATE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><title>{{ title }}</title>
 <meta name="viewport" content="width=device-width, initial-scale=1"><link rel="icon" href="data:,">
@@ -38,9 +40,13 @@ nav ul, .legend { list-style: none; padding: 0; margin: .6rem 0; display: flex; 
 nav a { display: inline-block; padding: .2rem 0; }
 summary { padding: .5rem 0; border-bottom: 1px solid var(--line); cursor: pointer; }
 summary h2 { display: inline; border: 0; }
-.scroll { overflow-x: auto; margin: .6rem 0; } table { border-collapse: collapse; font-size: .9rem; }
+.scroll { overflow-x: auto; margin: .6rem 0; /* a shade at an edge beyond which there is more of a table */
+  background: linear-gradient(to right, var(--paper) 30%, transparent) left/2rem 100% no-repeat local,
+  linear-gradient(to left, var(--paper) 30%, transparent) right/2rem 100% no-repeat local,
+  linear-gradient(to right, var(--grey), transparent) left/.5rem 100% no-repeat scroll,
+  linear-gradient(to left, var(--grey), transparent) right/.5rem 100% no-repeat scroll; } table { border-collapse: collapse; font-size: .9rem; }
 td, th { padding: .25rem .7rem; border-bottom: 1px solid var(--line); text-align: left; vertical-align: top; }
-th { white-space: nowrap; } td.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
+th { white-space: nowrap; } td.prose { min-width: min(22rem, 70vw); } td.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
 figure { margin: .8rem 0 1.2rem; } figcaption, .legend { font-size: .85rem; color: var(--grey); }
 figcaption { max-width: 48rem; } .legend svg { vertical-align: -.1em; margin-right: .4em; }
 .row { display: flex; flex-wrap: wrap; align-items: flex-start; } .row img { display: block; height: auto; box-sizing: border-box; }
@@ -78,7 +84,7 @@ footer { margin-top: 3rem; font-size: .8rem; color: var(--grey); overflow-wrap: 
 {{ paragraphs(section.sentences) }}
 {% if section.rows %}<div class="scroll" role="region" tabindex="0" aria-label="Table: {{ section.title }}"><table><tr>
 {%- for name in section.columns %}{% if name %}<th scope="col">{{ name }}</th>{% else %}<td></td>{% endif %}{% endfor %}</tr>
-{% for row in section.rows %}<tr>{% for cell in row %}<td{% if cell is number %} class="number"{% endif %}>{{ cell }}</td>{% endfor %}</tr>
+{% for row in section.rows %}<tr>{% for cell in row %}<td{% if cell is number %} class="number"{% elif cell | string | length > prose %} class="prose"{% endif %}>{{ cell }}</td>{% endfor %}</tr>
 {% endfor %}</table></div>{% endif %}
 {% for picture in section.pictures %}{{ shown(picture) }}{% endfor %}
 {% for block in section.code %}<pre tabindex="0">{{ block }}</pre>{% endfor %}
@@ -226,6 +232,7 @@ def render_page(
         footer=footer,
         simulated=simulated,
         first_picture=first_picture,
+        prose=PROSE,
     )
 
 

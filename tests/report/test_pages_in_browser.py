@@ -12,8 +12,17 @@ BROKEN = """<!doctype html><html lang="en"><head><title>Broken</title></head><bo
 <a href="#a" tabindex="-1">Skip</a><h1>Broken</h1><p style="color: #999; background: #fff">pale</p>
 <img src="data:image/png;base64,AAAA" style="width: 3000px; height: 9px">
 <details><summary tabindex="-1">closed</summary>a</details>
+<table><tr style="height: 200vh"><td>high</td></tr></table>
 <script>console.error("an error of its own")</script></main></body></html>"""
-SAID = ("skip", "color-contrast", "image-alt", "wider than the window", "a picture is not there", "an error of its own")
+SAID = (
+    "skip",
+    "color-contrast",
+    "image-alt",
+    "wider than the window",
+    "a picture is not there",
+    "a row of a table is higher",
+    "an error of its own",
+)
 
 
 @pytest.mark.slow
