@@ -33,11 +33,18 @@ LOSS_UNITS = {"vector": "times the noise", "norm": "N"}
 LABELS = {"youngs_modulus": "E, kPa", "poisson_ratio": "nu", "friction": "mu"}
 
 
-def calibration_page(calibration: Calibration) -> str:
+def calibration_page(calibration: Calibration, store: str = "") -> str:
     """Return the page of a calibration as HTML.
 
     It begins with a picture of measured and simulated forces, the result in three sentences, and what a reader should
     know of it. All else is folded below.
+
+    Parameters
+    ----------
+    calibration : Calibration
+        The result.
+    store : str
+        Name of the store, for the last line.
     """
     more = _overlay_picture(calibration, ACROSS, MOST_OVERLAYS)
     folded = [
@@ -49,7 +56,7 @@ def calibration_page(calibration: Calibration) -> str:
     ]
     sections = [_result(calibration), _remarks(calibration), *(replace(section, is_folded=True) for section in folded)]
     return render_page(
-        "Calibration of the gel", _in_short(calibration), sections, f"store {calibration.store[:16]}",
+        "Calibration of the gel", _in_short(calibration), sections, f"store {store}, digest {calibration.store[:16]}",
         calibration.simulated, _overlay_picture(calibration, 0, ACROSS),
     )  # fmt: skip
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 import typer
@@ -103,7 +103,7 @@ def calibrate(
     # write and print
     document = write_calibration(calibration, out)
     page = out.with_suffix(".html")
-    write_atomic(page, calibration_page(calibration).encode())
+    write_atomic(page, calibration_page(calibration, PurePosixPath(location).name).encode())
     if as_json:
         emit(document)
         return

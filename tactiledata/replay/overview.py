@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 import numpy as np
 
@@ -39,7 +39,8 @@ def write_replay_page(store: Store, name: str, out: Path) -> Path:
     path = out / f"replay-{name}.html"
     footer = f"tactiledata {__version__}; store digest {store.digest}; mesh digest {store.mesh(name).facts['digest']}"
     sections = [mesh_section(store, name)]
-    html = render_page("What was replayed", [], sections, footer, simulated_recordings(store))
+    named = f"The store is {PurePosixPath(store.location).name}."
+    html = render_page("What was replayed", [named], sections, footer, simulated_recordings(store))
     write_atomic(path, html.encode())
     return path
 

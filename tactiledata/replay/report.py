@@ -112,6 +112,8 @@ class ReplayReport:
         lines = [
             f"mesh {self.mesh}{label}: {counted(self.with_mesh, 'frame')} with a mesh; {self.new_frames} frames are new"
         ]
+        if not self.with_mesh:
+            lines.append("  no page was written, and nothing is drawn: no frame has a mesh")
         if self.effects:
             lines.append(f"  with {self.effects}; the wrench is what the force sensor would read")
         lines += [f"  {counted(count, 'frame')}: {words}" for words, count in self.status.items()]

@@ -93,7 +93,7 @@ def _calibrate(
         calibration = calibrate(Store.open(store), options, bar)
     page = out / "calibration.html"
     document = write_calibration(calibration, out / "calibration.json")
-    write_atomic(page, calibration_page(calibration).encode())
+    write_atomic(page, calibration_page(calibration, store.name).encode())
     # fitted values beside the true ones
     truth = scenario.material
     values = (f"{truth.youngs_modulus / 1e3:.1f} kPa", f"{truth.poisson_ratio:.3f}", f"{truth.friction:.3f}")
