@@ -105,8 +105,9 @@ def rivals_of(naming: NamingResult, most: int = 4) -> Rivals:
     - If the answer is a set of effects: the named effect and its ties.
     - If it is one effect: this effect, and the candidate that comes nearest in gain.
     - If no effect is named: the few strongest candidates.
-    - If nothing is found: each effect that these data cannot show, at the end of its plausible range, beside the plain
-      simulation.
+    - If nothing is found: the effects that have the evidence that they need, and that another rule kept from being
+      claimed, beside the plain simulation. Where there are none: each effect that these data cannot show, at the end
+      of its plausible range, beside the plain simulation.
 
     Parameters
     ----------
@@ -117,7 +118,7 @@ def rivals_of(naming: NamingResult, most: int = 4) -> Rivals:
     """
     decision = naming.decision
     if decision.verdict is Verdict.NOTHING_FOUND:
-        return _undetectable(naming)
+        return _nearly_found(naming, most) or _undetectable(naming)
     ranked = sorted(naming.scored, key=lambda candidate: -candidate.gain)
     if decision.claimed and decision.best is not None:
         tied = {tie.label for tie in decision.ties}
@@ -146,6 +147,22 @@ def _screened(naming: NamingResult, start: Sequence[EffectSetting]) -> Rival:
     model = joint_model(base.material, start, len(base.offsets), errors, box=base.box)
     model = replace(model, offsets=base.offsets, errors=base.errors)
     return Rival(start[0].effect, joint_fit(naming.whitened, model, rounds=0))
+
+
+def _nearly_found(naming: NamingResult, most: int) -> Rivals | None:
+    """Return the effects with as much evidence as they need, against the plain simulation; None where there are none.
+
+    The plain simulation is a part of each of them, so that only they may be the true explanation.
+    """
+    found = [
+        one for one in naming.scored if len(one.names) == 1 and one.evidence >= one.needed(naming.thresholds)
+    ]  # fmt: skip
+    if not found:
+        return None
+    found = sorted(found, key=lambda one: -one.evidence)[:most]
+    members = (Rival(NOTHING, naming.base), *(Rival(one.label, one.fit) for one in found))
+    pairs = [Pair(place, 0, False, 2.0 * one.evidence) for place, one in enumerate(found, start=1)]
+    return Rivals(members, tuple(pairs))
 
 
 def _undetectable(naming: NamingResult) -> Rivals:

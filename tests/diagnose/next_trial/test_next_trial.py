@@ -171,6 +171,25 @@ def test_what_could_be_there_unseen_is_sought():
     assert any(line.startswith("Press a flat punch") and "adhesion" in line for line in next_trial_sentences(found))
 
 
+def test_what_was_nearly_found_is_sought_first(named):
+    """Where a rule keeps an effect with enough evidence from being claimed, it stands against nothing, and no other."""
+    nothing = dataclasses.replace(named.decision, verdict=Verdict.NOTHING_FOUND, ties=())
+    kept = dataclasses.replace(named, decision=nothing)
+    enough = {one.label for one in named.scored if len(one.names) == 1 and one.evidence >= one.needed(named.thresholds)}
+    rivals = rivals_of(kept)
+    assert enough
+    assert rivals.members[0].name == NOTHING
+    assert {one.name for one in rivals.members[1:]} == enough
+    # nothing is a part of each effect: only the effect may be true, and the data say how far they are apart
+    assert all(pair.ways == ((pair.first, 0),) for pair in rivals.pairs)
+    strongest = max(one.evidence for one in named.scored if one.label in enough)
+    assert rivals.pairs[0].known == pytest.approx(2.0 * strongest)
+    # a control: effects that have a tenth of it are not nearly found
+    weak = [dataclasses.replace(one, error_size=100.0 * one.error_size) for one in named.scored]
+    unseen = rivals_of(dataclasses.replace(kept, scored=weak)).members[1:]
+    assert {one.name for one in unseen} == set(named.identifiable.undetectable)
+
+
 def test_what_leaves_no_trace_is_sought_where_it_would():
     """At one orientation the zero hides a tool's weight: the page says so, and proposes turns in free air."""
     options = NamingOptions(effects=("tool_weight", "lag"), profile=False)
