@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from tactiledata.diagnose.naming.rivals import NOTHING
+from tactiledata.diagnose.naming.rivals import NO_CLAIM, NOTHING
 from tactiledata.diagnose.next_trial.bench import closed_form
 from tactiledata.diagnose.next_trial.cases import duration
 from tactiledata.diagnose.next_trial.propose import SEPARATED, Proposal, Separation
@@ -123,6 +123,11 @@ def _apart(pair: Separation) -> str:
             f"{_title(pair.first)} at its strongest would stand out by {size} standard deviations"
             f" (so far {rounded(pair.before)})"
         )
+    if pair.second == NO_CLAIM:
+        return (
+            f"{_title(pair.first)} as it was fitted would stand out by {size} standard deviations; so far it has the"
+            " evidence that it needs, and another rule keeps it from being claimed"
+        )
     return (
         f"{_title(pair.first)} and {_title(pair.second)} then differ by {size} standard deviations (so far"
         f" {rounded(pair.before)}); the probability of taking one for the other falls from"
@@ -133,7 +138,7 @@ def _apart(pair: Separation) -> str:
 def _hopeless(pair: Separation, title: str) -> str:
     """Return that no trial separates two explanations, with the best trial."""
     stays = f"at best ({title}) the probability of a wrong answer is {_chance(pair.error_after)}"
-    if pair.second == NOTHING:
+    if pair.second in (NOTHING, NO_CLAIM):
         return f"None of the trials would show {_title(pair.first)}: {stays}."
     return f"None of the trials tells {_title(pair.first)} from {_title(pair.second)}: {stays}."
 

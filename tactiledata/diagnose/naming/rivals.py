@@ -15,6 +15,8 @@ from tactiledata.effects import EFFECTS
 from tactiledata.effects.simulate.setting import EffectSetting
 
 NOTHING = "nothing"
+NO_CLAIM = "no effect"
+"""The plain simulation beside an effect that has the evidence that it needs, and that another rule keeps back."""
 HALF = 0.5
 """An explanation with less than this share of the first one's support is not considered as possibly true itself."""
 
@@ -26,7 +28,7 @@ class Rival:
     Parameters
     ----------
     name : str
-        Names of its effects joined by " + "; ``NOTHING`` for the plain simulation.
+        Names of its effects joined by " + "; ``NOTHING`` or ``NO_CLAIM`` for the plain simulation.
     fit : JointFit
         Its fit to the recorded data.
     """
@@ -152,7 +154,8 @@ def _screened(naming: NamingResult, start: Sequence[EffectSetting]) -> Rival:
 def _nearly_found(naming: NamingResult, most: int) -> Rivals | None:
     """Return the effects with as much evidence as they need, against the plain simulation; None where there are none.
 
-    The plain simulation is a part of each of them, so that only they may be the true explanation.
+    The plain simulation is a part of each of them, so that only they may be the true explanation. What the recorded
+    data say does not count, since it was not enough for a claim.
     """
     found = [
         one for one in naming.scored if len(one.names) == 1 and one.evidence >= one.needed(naming.thresholds)
@@ -160,9 +163,8 @@ def _nearly_found(naming: NamingResult, most: int) -> Rivals | None:
     if not found:
         return None
     found = sorted(found, key=lambda one: -one.evidence)[:most]
-    members = (Rival(NOTHING, naming.base), *(Rival(one.label, one.fit) for one in found))
-    pairs = [Pair(place, 0, False, 2.0 * one.evidence) for place, one in enumerate(found, start=1)]
-    return Rivals(members, tuple(pairs))
+    members = (Rival(NO_CLAIM, naming.base), *(Rival(one.label, one.fit) for one in found))
+    return Rivals(members, tuple(Pair(place, 0, False, 0.0) for place in range(1, len(members))))
 
 
 def _undetectable(naming: NamingResult) -> Rivals:

@@ -33,7 +33,7 @@ class Separation:
     Parameters
     ----------
     first, second : str
-        Effects of each explanation, joined by `` + ``; "nothing" for the plain simulation.
+        Effects of each explanation, joined by `` + ``; "nothing" or "no effect" for the plain simulation.
     before, after : float
         Distance in standard deviations, where one explanation is refitted to what the other predicts.
     """

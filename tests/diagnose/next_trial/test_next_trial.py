@@ -12,7 +12,7 @@ from tactiledata.contract.schema import load_schema
 from tactiledata.diagnose.answer.next_trial_words import next_trial_sentences, next_trials_document
 from tactiledata.diagnose.naming.name_effects import name_effects
 from tactiledata.diagnose.naming.options import NamingOptions
-from tactiledata.diagnose.naming.rivals import NOTHING, Pair, Rival, Rivals, rivals_of
+from tactiledata.diagnose.naming.rivals import NO_CLAIM, NOTHING, Pair, Rival, Rivals, rivals_of
 from tactiledata.diagnose.next_trial.bench import TrialBench
 from tactiledata.diagnose.next_trial.cases import trial_cases
 from tactiledata.diagnose.next_trial.distance import Recorded, TrialRows, error_probability, square_with
@@ -178,12 +178,17 @@ def test_what_was_nearly_found_is_sought_first(named):
     enough = {one.label for one in named.scored if len(one.names) == 1 and one.evidence >= one.needed(named.thresholds)}
     rivals = rivals_of(kept)
     assert enough
-    assert rivals.members[0].name == NOTHING
+    assert rivals.members[0].name == NO_CLAIM
     assert {one.name for one in rivals.members[1:]} == enough
-    # nothing is a part of each effect: only the effect may be true, and the data say how far they are apart
+    # no effect is a part of each effect: only the effect may be true, and the data so far do not count
     assert all(pair.ways == ((pair.first, 0),) for pair in rivals.pairs)
-    strongest = max(one.evidence for one in named.scored if one.label in enough)
-    assert rivals.pairs[0].known == pytest.approx(2.0 * strongest)
+    found = propose_trials(kept)
+    assert {pair.before for pair in found[0].separations} == {0.0}
+    assert found[0].separates
+    (line, *_) = next_trial_sentences(found)
+    assert line.startswith(found[0].trial.title)
+    assert "as it was fitted would stand out by" in line
+    assert next_trials_document(found)["proposals"][0]["trial"] == found[0].trial.name
     # a control: effects that have a tenth of it are not nearly found
     weak = [dataclasses.replace(one, error_size=100.0 * one.error_size) for one in named.scored]
     unseen = rivals_of(dataclasses.replace(kept, scored=weak)).members[1:]
