@@ -44,7 +44,7 @@ def calibration_page(calibration: Calibration, store: str = "") -> str:
     calibration : Calibration
         The result.
     store : str
-        Name of the store, for the last line.
+        Name of the store, for the last line; empty where it has none.
     """
     more = _overlay_picture(calibration, ACROSS, MOST_OVERLAYS)
     folded = [
@@ -55,8 +55,9 @@ def calibration_page(calibration: Calibration, store: str = "") -> str:
         _residuals(calibration),
     ]
     sections = [_result(calibration), _remarks(calibration), *(replace(section, is_folded=True) for section in folded)]
+    footer = f"{f'store {store}, ' if store else ''}store digest {calibration.store[:16]}"
     return render_page(
-        "Calibration of the gel", _in_short(calibration), sections, f"store {store}, digest {calibration.store[:16]}",
+        "Calibration of the gel", _in_short(calibration), sections, footer,
         calibration.simulated, _overlay_picture(calibration, 0, ACROSS),
     )  # fmt: skip
 
