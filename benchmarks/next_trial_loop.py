@@ -31,6 +31,7 @@ from tactiledata.prove.cases.configuration import Configuration, played_plan
 from tactiledata.prove.cases.draw import CaseRequest, drawn_case
 from tactiledata.prove.cases.kinds import VISIBLE
 from tactiledata.prove.cases.world_case import WorldCase
+from tactiledata.prove.score.outcome import IN_SET, NAMED, outcome
 from tactiledata.prove.worlds.generators import GENERATORS
 from tactiledata.prove.worlds.plan import ENOUGH, UNITS
 from tactiledata.prove.worlds.plan_names import named_plan
@@ -110,12 +111,13 @@ def told(named: NamedWorld, truth: Sequence[str]) -> dict[str, Any]:
     document = named.document
     found = [one for one in document["candidates"] if set(one["effects"]) == set(truth)]
     best = max(found, key=lambda one: one["evidence"], default=None)
-    names = set(document["set"])
+    # what readings show by themselves is no merit of the trial
+    worth = outcome({**document, "truth": truth, "zeros": (), "signal": 0.0})
     return {
         "verdict": document["verdict"],
         "set": document["set"],
         "nearest": document["nearest"],
-        "right": bool(names) and set(truth) <= names and len(names) <= 2,
+        "right": worth in (NAMED, IN_SET) and len(document["set"]) <= 2,
         "evidence": None if best is None else round(best["evidence"], 1),
         "needed": None if best is None else round(best["needed"], 1),
     }

@@ -176,6 +176,6 @@ def test_a_command_without_its_extra_says_which(place, base, words, package, ext
     ],
 )
 def test_an_extra_is_enough_for_what_it_is_for(place, tmp_path, extras, words):
-    """With the extras that a command's message names, nothing else is missing."""
+    """A command ends well where only the base install and the extras that it needs are installed."""
     code, text = run(place, hide_packages(tmp_path / "packages", extras), *words.split())
     assert code == 0, text

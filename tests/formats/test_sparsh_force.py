@@ -76,7 +76,7 @@ def test_mismatches_are_said(tmp_path):
 
 
 def test_a_batch_without_contacts_is_read(tmp_path):
-    """Where no listed contact has an image, all images are read, without trajectories, and each contact is named."""
+    """A batch none of whose listed contacts has an image is read without trajectories, and findings say so."""
     root = sparsh_force.write(tmp_path, np.random.default_rng(9), probes=("sphere",))
     place = root / "sphere/batch_1/dataset_slip_forces.pkl"
     labels = pickle.loads(place.read_bytes())

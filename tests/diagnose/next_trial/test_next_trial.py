@@ -172,7 +172,7 @@ def test_what_could_be_there_unseen_is_sought():
 
 
 def test_what_was_nearly_found_is_sought_first(named):
-    """Where a rule keeps an effect with enough evidence from being claimed, it stands against nothing, and no other."""
+    """The next trial is for effects with enough evidence that another rule keeps from a claim, and for no others."""
     nothing = dataclasses.replace(named.decision, verdict=Verdict.NOTHING_FOUND, ties=())
     kept = dataclasses.replace(named, decision=nothing)
     enough = {one.label for one in named.scored if len(one.names) == 1 and one.evidence >= one.needed(named.thresholds)}
@@ -189,7 +189,7 @@ def test_what_was_nearly_found_is_sought_first(named):
     assert line.startswith(found[0].trial.title)
     assert "as it was fitted would stand out by" in line
     assert next_trials_document(found)["proposals"][0]["trial"] == found[0].trial.name
-    # a control: effects that have a tenth of it are not nearly found
+    # a control: where errors of the simulation could bring that evidence, none is nearly found
     weak = [dataclasses.replace(one, error_size=100.0 * one.error_size) for one in named.scored]
     unseen = rivals_of(dataclasses.replace(kept, scored=weak)).members[1:]
     assert {one.name for one in unseen} == set(named.identifiable.undetectable)
