@@ -19,6 +19,8 @@ help:            ## this list
 $(INSTALLED): pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "tactiledata needs Python 3.11 or later; found " + sys.version.split()[0] + ". Name another: make PYTHON=python3.11 ...")'
 	$(PYTHON) -m venv $(VENV)
+	# the pip that comes with Python takes half as long again
+	$(BIN)/pip install --quiet --upgrade -c constraints.txt pip
 	$(BIN)/pip install --quiet $(PIP_FLAGS) -c constraints.txt -e '.[sim,models,report,dask,site,view,s3,dev]'
 	@touch $@
 

@@ -14,6 +14,8 @@ from page_server import LONGEST, PLAIN, PageServer
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+LONG = {"diagnose.md"}
+"""Pages whose blocks take longest: they run every night. The tutorial's notebook diagnoses the same world by day."""
 RUNNABLE = {"python", "bash", "sh", "console"}
 BLOCK = re.compile(
     r"(?P<comment><!-- not run: (?P<reason>[^>]+) -->\n)?```(?P<language>[a-z]*) ?(?P<file>[^\n]*)\n(?P<code>.*?)^```",
@@ -100,7 +102,13 @@ def ended(block, folder, said, server):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+@pytest.mark.parametrize(
+    "page",
+    [
+        pytest.param(page, marks=pytest.mark.nightly if page.name in LONG else (), id=str(page.relative_to(ROOT)))
+        for page in PAGES
+    ],
+)
 def test_blocks_run(page, prepared, server, tmp_path):
     """The runnable blocks of a page run one after another in one folder, beside the files that its blocks show."""
     runnable = [block for block in blocks(page) if block["language"] in RUNNABLE and not block["reason"]]

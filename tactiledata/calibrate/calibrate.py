@@ -135,8 +135,10 @@ def calibrate_measured(
     played, error = check_interpolation(experiment, optimum, measured, options, runner)
     left_out = {**measured.left_out, **experiment.left_out}
     is_slid = may_slide(experiment.touches)
+    has_vector = options.loss == "vector"
+    sensors = {touch.sensor for touch in experiment.touches}
     findings = remarks(
-        optimum, bounds, options.offset_prior, left_out, options.loss == "vector", options.shape_share, is_slid
+        optimum, bounds, options.offset_prior, left_out, has_vector, options.shape_share, is_slid, sensors
     )
     known = known_parameters(optimum.intervals, bounds, is_slid)
     return Calibration(options, bounds, measured, experiment, optimum, played, error, tuple(findings), store, known)

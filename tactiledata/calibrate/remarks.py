@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 
 import numpy as np
 
@@ -30,6 +30,7 @@ def remarks(
     has_vector: bool,
     shape_error: float = 0.0,
     is_slid: bool = True,
+    sensors: Collection[str] = (),
 ) -> list[Finding]:
     """Return the findings of a fit.
 
@@ -49,11 +50,13 @@ def remarks(
         Standard deviation of the force factors of indenters about 1.
     is_slid : bool
         Whether any touch may slide.
+    sensors : collection of str
+        Names of the sensors whose touches were fitted.
     """
     findings = [*_bound_hits(fit, bounds), *_not_told(fit, bounds, is_slid), *_singular_pairs(fit)]
     if has_vector:
         findings += [*_misfit(fit), *_far_offsets(fit, prior), *_far_shapes(fit, shape_error)]
-    return findings + list(_left_out(left_out))
+    return [*findings, *_one_gel(sensors), *_left_out(left_out)]
 
 
 def _bound_hits(fit: Fit, bounds: Bounds) -> Iterator[Finding]:
@@ -152,6 +155,17 @@ def _far_shapes(fit: Fit, share: float) -> Iterator[Finding]:
             "sizes, edges or the tilt of these indenters may not be as stated, or the simulation is not valid for them"
         )
         yield Finding("calibration-shape", "warning", text, count=len(far))
+
+
+def _one_gel(sensors: Collection[str]) -> Iterator[Finding]:
+    """Yield a note where the gels of several sensors were fitted as one."""
+    if len(sensors) > 1:
+        named = ", ".join(sorted(sensors)[:4]) + (", ..." if len(sensors) > 4 else "")
+        text = (
+            f"the gels of {len(sensors)} sensors ({named}) are fitted as one. Where gels may differ, as after a change "
+            "of the gel, calibrate each with --sensor"
+        )
+        yield Finding("calibration-one-gel", "info", text, count=len(sensors))
 
 
 def _left_out(left_out: Mapping[str, int]) -> Iterator[Finding]:

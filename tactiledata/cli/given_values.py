@@ -29,7 +29,7 @@ class CheckedCommand(TyperCommand):
         ------
         UsageError
             An option or an argument was given as a blank text (where blank is the default it says "none", typed or
-            not); or output would be written into a store.
+            not); or one that must be given was not; or output would be written into a store.
         """
         # as it was typed: of a path, "" would be the working folder
         typed, _, _ = self.make_parser(ctx).parse_args(args=list(args))
@@ -41,6 +41,10 @@ class CheckedCommand(TyperCommand):
                 raise UsageError(
                     f"{name} is given a blank text", "a text that says something", f"Leave {name} out, or name a value."
                 )
+        if not (ctx.resilient_parsing or typed.get("help")):
+            for parameter in self.params:
+                if parameter.required and typed.get(parameter.name) in (None, ()):
+                    _refuse_missing(parameter, ctx.command_path)
         for parameter in self.params:
             if parameter.name == OUTPUT and typed.get(OUTPUT) is not None:
                 _refuse_store(str(typed[OUTPUT]), max(parameter.opts, key=len))
@@ -53,6 +57,12 @@ class CheckedApp(typer.Typer):
     def command(self, *words: Any, **options: Any) -> Any:
         """A decorator that adds a command; as in typer, with another class by default."""
         return super().command(*words, **{"cls": CheckedCommand, **options})
+
+
+def _refuse_missing(parameter: Any, command: str) -> None:
+    name = max(parameter.opts, key=len) if parameter.opts[0].startswith("-") else str(parameter.name).upper()
+    said = (parameter.help or "").rstrip(".")
+    raise UsageError(f"{name} is not given", said[:1].lower() + said[1:], f"Run `{command} --help` for what it takes.")
 
 
 def _refuse_store(path: str, option: str) -> None:

@@ -43,6 +43,18 @@ def test_nothing_is_said_of_a_sound_fit(world):
     assert "E cannot" not in found.get("calibration-unidentified", "")
 
 
+@pytest.mark.parametrize(
+    ("sensors", "is_said"), [((), False), (("D2",), False), (("D2", "D1"), True), (tuple("abcde"), True)]
+)
+def test_gels_that_are_fitted_as_one_are_counted(world, sensors, is_said):
+    """The sensors are named where there are several, and nothing is said of one."""
+    _, found = said(world, world.measured())
+    told = by_code(remarks(found, WIDE, 4e-5, {}, True, sensors=sensors)).get("calibration-one-gel", "")
+    assert bool(told) == is_said
+    named = {"": "", "D2D1": "2 sensors (D1, D2)", "abcde": "5 sensors (a, b, c, d, ...)"}
+    assert named.get("".join(sensors), "") in told
+
+
 def test_a_bound_hit_is_called_a_symptom(world):
     """A gel softer than the paper's bounds pins E below; inside wide bounds it does not."""
     measured = world.measured(truth=TRUTH * [0.85, 1, 1])

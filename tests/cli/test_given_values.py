@@ -1,5 +1,6 @@
 """Places and ports that cannot serve are refused before a command does any work."""
 
+import json
 import socket
 
 import pytest
@@ -60,3 +61,28 @@ def test_a_port_that_is_free_is_taken_as_it_is():
         tried.bind(("127.0.0.1", 0))
         port = tried.getsockname()[1]
     need_port(port)
+
+
+@pytest.mark.parametrize(
+    ("words", "found", "expected"),
+    [
+        (["transfer", "STORE"], "--to is not given", "the target sensor: a name that `tactiledata sensors` lists"),
+        (["export-data", "STORE"], "--to is not given", "format: lerobot, huggingface, "),
+        (["record"], "SCENARIO is not given", "a scenario file, or a bundled scenario: concealed, "),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, list) else "",
+)
+def test_what_must_be_given_is_asked_for_with_its_help(
+    tiny_store, tmp_path, monkeypatch, capsys, words, found, expected
+):
+    """A required option or argument that is missing is named with what it takes; `--help` asks for nothing."""
+    monkeypatch.chdir(tmp_path)
+    typed = [str(tiny_store) if word == "STORE" else word for word in words]
+    code, said, _ = run_command(capsys, *typed, "--json")
+    document = json.loads(said)
+    assert (code, document["error"]) == (2, found)
+    assert document["expected"].startswith(expected)
+    code, said, text = run_command(capsys, *typed, "--help")
+    assert code == 0, text
+    assert found not in said + text
+    assert not list(tmp_path.iterdir())

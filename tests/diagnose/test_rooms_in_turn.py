@@ -72,7 +72,7 @@ def walk(tmp_path, tmp_path_factory, monkeypatch):
     return found.rooms
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_store_enters_each_room_once_or_twice(walk):
     """A store whose missing physics has no name enters every room that it passes once or twice, the answer last."""
     assert list(dict.fromkeys(room for room in walk if room in IN_TURN)) == IN_TURN

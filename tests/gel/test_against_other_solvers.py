@@ -79,8 +79,8 @@ def fine():
     return slab(0.24e-3, 16, 2.4e-3, LEVELS, 3.2e-3)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("fidelity", ["linear", pytest.param("finite-strain", marks=pytest.mark.nightly)])
+@pytest.mark.nightly
+@pytest.mark.parametrize("fidelity", ["linear", "finite-strain"])
 def test_ball_on_a_layer(layer, fine, fidelity):
     """Force is within 2 % and the surface within 3 % of the depth of an axisymmetric solution with its own contact."""
     expected, shapes = layer.balled(4e-3, DEPTHS, 0.47, fidelity == "linear")

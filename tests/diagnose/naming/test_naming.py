@@ -182,12 +182,12 @@ PLAIN = ("relaxation", "rate_friction", "frame_rotation", "lag")
 """Planted effects that 24 trajectories suffice to name."""
 
 
-LONGEST = "thickness"
-"""Planted effect that takes thirty trajectories and longest to name."""
+NIGHTLY = ("thickness", "relaxation")
+"""Planted effects of the night: one takes thirty trajectories and longest, the other is named by another test, too."""
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=pytest.mark.nightly) if name == LONGEST else name for name in PLANTS]
+    "name", [pytest.param(name, marks=pytest.mark.nightly) if name in NIGHTLY else name for name in PLANTS]
 )
 def test_planted_effects_are_named_or_in_the_set(name):
     """Each planted effect, in formulas of the rig's own, with the whole catalogue to choose from; none gets another."""

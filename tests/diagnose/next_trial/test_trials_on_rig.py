@@ -59,8 +59,10 @@ def slides_at_one_speed(bench):
     ("hidden", "true", "other", "before", "best"),
     [
         ("relaxation", ("relaxation", {"share": 0.06, "time": 3.0}), ("lag", {"delay": 0.01}), quick_presses, hold),
-        ("ageing_friction", ("static_friction", {"excess": 0.1}), ("rate_friction", {"beta": 0.1}),
-         slides_at_one_speed, hold_then_slide),
+        pytest.param(
+            "ageing_friction", ("static_friction", {"excess": 0.1}), ("rate_friction", {"beta": 0.1}),
+            slides_at_one_speed, hold_then_slide, marks=pytest.mark.nightly,
+        ),
     ],
 )  # fmt: skip
 def test_the_proposed_trial_tells_more_than_another(hidden, true, other, before, best):
