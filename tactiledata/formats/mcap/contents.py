@@ -18,6 +18,10 @@ MAX_PLACES = 64
 MAX_EXAMPLE = 8
 FEWEST_BYTES = 64
 """An array of so many 8-bit numbers is taken for bytes, such as pixels."""
+PICTURES = {b"\xff\xd8\xff": "JPEG", b"\x89PNG\r\n\x1a\n": "PNG"}
+"""First bytes of an encoded picture -> its format."""
+PICTURE_TEXTS = re.compile(r"(?:data:[^,]{0,200};base64,)?(?P<head>/9j/|iVBORw0KGgo)[A-Za-z0-9+/=\s]{32}")
+"""How the same bytes begin as base64 text."""
 NAME = re.compile(r"[A-Za-z_]\w*")
 STAMPS = re.compile(r"(header|timestamp|stamp|frame_id)(\.|$)")
 
@@ -36,6 +40,8 @@ class Place:
         Paths of its numbers; empty where it holds none that a mapping can read.
     example : str
     is_array : bool
+    is_picture : bool
+        Whether it begins as a JPEG or PNG does, as bytes or as base64 text.
     """
 
     path: str
@@ -43,6 +49,7 @@ class Place:
     fields: tuple[str, ...] = ()
     example: str = ""
     is_array: bool = False
+    is_picture: bool = False
 
 
 @dataclass(frozen=True)
@@ -73,9 +80,14 @@ def _places(value: Any, path: str, depth: int) -> Iterator[Place]:
     elif isinstance(value, bool | int | float | np.number | np.bool_):
         yield Place(path, "number", (path,) if path else (), f"{value:.6g}")
     elif isinstance(value, str):
-        yield Place(path, "text", (), repr(value[:40]))
+        match = PICTURE_TEXTS.match(value)
+        if match is None:
+            yield Place(path, "text", (), repr(value[:40]))
+        else:
+            kind = "JPEG" if match["head"] == "/9j/" else "PNG"
+            yield Place(path, f"a {kind} as base64 text", is_picture=True)
     elif isinstance(value, bytes | bytearray | memoryview):
-        yield Place(path, f"{len(value):,} bytes", is_array=True)
+        yield _bytes(value, path)
     elif isinstance(value, Mapping):
         yield from _members(value, path, depth)
     elif hasattr(value, "DESCRIPTOR"):
@@ -85,6 +97,13 @@ def _places(value: Any, path: str, depth: int) -> Iterator[Place]:
         yield from _members(members, path, depth)
     elif hasattr(value, "__len__") and hasattr(value, "__getitem__"):
         yield from _items(value, path, depth)
+
+
+def _bytes(value: bytes | bytearray | memoryview, path: str) -> Place:
+    head = bytes(value[:16])
+    kind = next((kind for magic, kind in PICTURES.items() if head.startswith(magic)), "")
+    what = f"a {kind} of {len(value):,} bytes" if kind else f"{len(value):,} bytes"
+    return Place(path, what, is_array=True, is_picture=bool(kind))
 
 
 def _members(members: Mapping[Any, Any], path: str, depth: int) -> Iterator[Place]:
@@ -99,7 +118,7 @@ def _items(value: Sequence[Any], path: str, depth: int) -> Iterator[Place]:
     size = len(value)
     kind = str(value.dtype) if isinstance(value, np.ndarray) else ""
     if kind in ("uint8", "int8") and size >= FEWEST_BYTES:
-        yield Place(path, f"{size:,} bytes", is_array=True)
+        yield _bytes(np.asarray(value).view(np.uint8).tobytes(), path)
     elif size == 0:
         yield Place(path, "an empty array in the first message", is_array=True)
     elif all(isinstance(item, bool | int | float | np.number | np.bool_) for item in value[: MAX_PLACES * MAX_ITEMS]):

@@ -7,6 +7,7 @@ import re
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import cv2
@@ -20,7 +21,7 @@ from tactiledata.errors import BrokenLog
 from tactiledata.formats.mcap.cdr import COMPRESSED_LAYOUT, IMAGE_LAYOUT, Take, compressed_at, image_at
 from tactiledata.formats.mcap.collect import FaultCount
 from tactiledata.formats.mcap.decode import FAULTS, Decoder
-from tactiledata.formats.mcap.message_fields import frame_of, stamp_of, value_at
+from tactiledata.formats.mcap.message_fields import frame_of, kind_in_words, path_of, stamp_of, value_at
 from tactiledata.formats.mcap.roles import COMPRESSED_KINDS, ImageRole
 from tactiledata.formats.mcap.undecoded import reason_of
 
@@ -32,6 +33,8 @@ _TO_RGB = {
     ("rgb", 4): cv2.COLOR_RGBA2RGB,
     ("bgr", 4): cv2.COLOR_BGRA2RGB,
 }
+DATA_URI = re.compile(r"data:[^,]{0,200};base64,")
+"""What stands before base64 where a picture was written for a browser."""
 SERIAL = re.compile(r"(?<![A-Za-z0-9])([A-Z]\d{5})(?![A-Za-z0-9])", re.IGNORECASE)
 """A DIGIT's serial in a topic or frame_id."""
 
@@ -168,6 +171,8 @@ class CameraBuffer:
 
 def image_taker(decoder: Decoder, camera: CameraBuffer) -> Take:
     """What reads the messages of an image topic into the sink."""
+    if camera.role.data:
+        return _general(partial(_picture_at, camera.role.data), decoder, camera, True)
     is_compressed = decoder.kind in COMPRESSED_KINDS
     general = _general(_compressed_fields if is_compressed else _raw_fields, decoder, camera, is_compressed)
     if decoder.layout == COMPRESSED_LAYOUT:
@@ -221,6 +226,13 @@ def _compressed_fields(message: Any) -> tuple[bytes, str]:
     return _bytes_of(value_at(message, ("data",))), str(value_at(message, ("format",)))
 
 
+def _picture_at(steps: tuple[str | int, ...], message: Any) -> tuple[bytes, str]:
+    value = value_at(message, steps)
+    if isinstance(value, int | float):
+        raise TypeError(f"{path_of(steps)!r} is {kind_in_words(value)}, and no picture")
+    return _bytes_of(value), path_of(steps)
+
+
 def _raw_fields(message: Any) -> tuple[str, int, int, int, bytes]:
     height, width, step = (int(value_at(message, (name,))) for name in ("height", "width", "step"))
     return str(value_at(message, ("encoding",))), height, width, step, _bytes_of(value_at(message, ("data",)))
@@ -228,7 +240,8 @@ def _raw_fields(message: Any) -> tuple[str, int, int, int, bytes]:
 
 def _bytes_of(value: Any) -> bytes:
     if isinstance(value, str):
-        return base64.b64decode(value, validate=True)
+        start = DATA_URI.match(value)
+        return base64.b64decode(value[start.end() if start else 0 :], validate=True)
     if isinstance(value, Mapping):
         raise TypeError("pixels that are a dictionary")
     return bytes(value)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from tactiledata.formats.mcap.contents import Place
-from tactiledata.units import SIGNAL_COLUMNS
+from tactiledata.units import SIGNAL_COLUMNS, signal_units
 
 WORDS = {
     "wrench": ("wrench", "force", "torque", "ft", "robotiq"),
@@ -34,13 +34,23 @@ CALLED = {
 }
 """How drivers call the numbers of a signal, column by column: the last name of a path, or the last two. The first of a
 column's names that occurs is taken."""
+ROTATION_VECTOR = (*CALLED["tcp"][:3], *_names(("r", "rv", "rotvec", "rotationvector", "rot", "rotation"), "xyz"))
+"""The same of a tcp whose rotation is a vector, as UR controllers give it."""
+UNITS = {
+    **{"m": "m", "mm": "mm", "rad": "rad", "deg": "deg", "n": "N", "mn": "mN", "kn": "kN"},
+    **{"nm": "N m", "nmm": "N mm", "newton": "N", "newtons": "N"},
+}
+"""Unit that stands behind the name of a field (``x_mm``) -> as a mapping calls it."""
+FARTHEST_M = 10.0
+"""Larger numbers are no position of an arm in metres."""
 
 
 @dataclass(frozen=True)
 class FieldGuess:
     """Fields that could be a signal, and why; ``is_named`` where the fields' own names say so.
 
-    With ``is_rotation_vector`` they are six of a tcp, the last three a rotation vector.
+    With ``is_rotation_vector`` they are six of a tcp, the last three a rotation vector. ``units`` are those that names
+    or sizes speak for; empty where nothing does.
     """
 
     signal: str
@@ -48,20 +58,52 @@ class FieldGuess:
     reason: str
     is_named: bool = False
     is_rotation_vector: bool = False
+    units: tuple[str, ...] = ()
 
 
 def proposal_for(topic: str, places: Sequence[Place]) -> FieldGuess | None:
     """The signal that a message's numbers could be; ``None`` where nothing speaks for one."""
     numbers = measured(places)
-    for signal in CALLED:
-        fields = _called(signal, numbers)
+    for signal, names in (*CALLED.items(), ("tcp", ROTATION_VECTOR)):
+        fields = _called(names, numbers)
         if fields:
-            return FieldGuess(signal, fields, f"the names of its fields are those of a {signal}", True)
+            reason = f"the names of its fields are those of a {signal}"
+            is_vector = names is ROTATION_VECTOR
+            reason += " with a rotation vector (other angles are no tcp)" if is_vector else ""
+            return _with_units(FieldGuess(signal, fields, reason, True, is_vector), numbers)
     for place in numbers:
         found = _counted(f"{topic} {place.path}".lower(), place.fields) if place.is_array else None
         if found is not None:
-            return found
+            return _with_units(found, numbers)
     return None
+
+
+def _with_units(guess: FieldGuess, numbers: Sequence[Place]) -> FieldGuess:
+    """The guess with units, where names of its fields or the size of its positions speak for some."""
+    if guess.signal == "joints":
+        return guess
+    vector = ("m", "m", "m", "rad", "rad", "rad")
+    usual = vector if guess.is_rotation_vector else signal_units(SIGNAL_COLUMNS[guess.signal])
+    named = [UNITS.get(_unit_behind(path), "") for path in guess.fields]
+    if any(named):
+        return replace(guess, units=tuple(own or unit for own, unit in zip(named, usual, strict=True)))
+    sizes = [abs(size) for place in numbers for size in _examples(place, guess.fields[:3])]
+    if guess.signal == "tcp" and sizes and max(sizes) > FARTHEST_M:
+        reason = f"{guess.reason}; positions beyond {FARTHEST_M:g} are taken for millimetres"
+        return replace(guess, units=("mm", "mm", "mm", *usual[3:]), reason=reason)
+    return guess
+
+
+def _examples(place: Place, fields: Sequence[str]) -> list[float]:
+    """The numbers of the first message in some fields of a place."""
+    shown = place.example.strip("[]").removesuffix(", …").split(", ")
+    return [float(text) for path, text in zip(place.fields, shown, strict=False) if path in fields]
+
+
+def _unit_behind(path: str) -> str:
+    """What stands behind the last underscore of a field's name, in small letters; empty where none does."""
+    name = path.rpartition(".")[2].partition("[")[0].lower()
+    return name.rpartition("_")[2] if "_" in name else ""
 
 
 def measured(places: Sequence[Place]) -> list[Place]:
@@ -79,8 +121,8 @@ def speaks_for(signal: str, text: str) -> bool:
     return any(word in parts or (len(word) > 2 and word in text.lower()) for word in WORDS[signal])
 
 
-def _called(signal: str, numbers: Sequence[Place]) -> tuple[str, ...]:
-    """Fields in the order of the signal's columns, where each column has exactly one."""
+def _called(columns: Sequence[tuple[str, ...]], numbers: Sequence[Place]) -> tuple[str, ...]:
+    """Fields in the order of columns that may be called so, where each column has exactly one."""
     named: list[tuple[str, str]] = []
     for place in numbers:
         if place.is_array and len(place.fields) in AXES:
@@ -88,7 +130,7 @@ def _called(signal: str, numbers: Sequence[Place]) -> tuple[str, ...]:
         elif not place.is_array:
             named.append((place.path, place.path))
     fields = []
-    for names in CALLED[signal]:
+    for names in columns:
         fitting = [[field for path, field in named if name in _endings(path)] for name in names]
         first = next((fits for fits in fitting if fits), [])
         if len(first) != 1:
@@ -98,8 +140,9 @@ def _called(signal: str, numbers: Sequence[Place]) -> tuple[str, ...]:
 
 
 def _endings(path: str) -> set[str]:
-    """The last name of a path, and the last two together, without case and underscores."""
-    parts = [part.lower().replace("_", "") for part in path.split(".")]
+    """The last name of a path, and the last two together, without case, underscores and the units behind them."""
+    plain = [part[: -len(unit) - 1] if (unit := _unit_behind(part)) in UNITS else part for part in path.split(".")]
+    parts = [part.lower().replace("_", "") for part in plain]
     return {parts[-1], "".join(parts[-2:])}
 
 

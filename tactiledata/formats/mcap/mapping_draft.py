@@ -10,6 +10,7 @@ from typing import Any
 import yaml
 
 from tactiledata.contract.description import PLACEHOLDER, LogDescription
+from tactiledata.formats.mcap.message_fields import path_of
 from tactiledata.formats.mcap.readers import JointOrder
 from tactiledata.formats.mcap.roles import (
     IMAGE_KINDS,
@@ -26,6 +27,7 @@ from tactiledata.formats.mcap.unread_topics import (
     UnreadTopics,
     entry_text,
     on_one_line,
+    picture_field,
     unread_topics,
 )
 from tactiledata.formats.reading.natural_order import natural_key
@@ -86,7 +88,7 @@ def draft_mapping(
     for name in ("wrench", "tcp", "joints"):
         if name not in signals and (entry := _candidates(name, known, roles, glimpses)) is not None:
             signals[name] = entry
-    images, sensors = _images(known, roles, serials, description)
+    images, sensors = _images(known, roles, serials, description, glimpses)
     document: dict[str, Any] = {"format": "tactiledata-mapping/1"}
     entries = {"signals": signals, "images": images}
     document |= {title: {name: e.content for name, e in listed.items()} for title, listed in entries.items() if listed}
@@ -194,12 +196,21 @@ def _likely_frames(parents: Mapping[str, str]) -> tuple[str, str] | None:
 
 
 def _images(
-    known: Sequence[Topic], roles: Roles, serials: Mapping[str, str], description: LogDescription
+    known: Sequence[Topic],
+    roles: Roles,
+    serials: Mapping[str, str],
+    description: LogDescription,
+    glimpses: Mapping[str, Glimpse],
 ) -> tuple[dict[str, _Entry], dict[str, Any]]:
     """Cameras, and the sensors that the recording does not describe."""
     cameras = [(role.camera, role.topic, "") for role in roles.images]
+    fields = {role.topic: {"data": path_of(role.data)} for role in roles.images if role.data}
     if not cameras:
         pictures = [topic.name for topic in known if topic.kind in IMAGE_KINDS]
+        if not pictures:
+            inside = {topic.name: picture_field(glimpses.get(topic.name, Glimpse())) for topic in known}
+            pictures = [name for name, path in inside.items() if path and name not in roles.topics]
+            fields = {name: {"data": inside[name]} for name in pictures}
         unsure = "nothing in the topic's name says tactile: remove it where it is no tactile sensor"
         cameras = [("digit" if n == 0 else f"digit_{n + 1}", topic, unsure) for n, topic in enumerate(pictures)]
     entries: dict[str, _Entry] = {}
@@ -208,11 +219,11 @@ def _images(
         serial = serials.get(topic, "")
         if not serial and description.sensors:
             remark = " ".join(filter(None, (remark, f"which sensor is it? sensor: {' or '.join(description.sensors)}")))
-            entries[camera] = _Entry({"topic": topic}, remark)
+            entries[camera] = _Entry({"topic": topic, **fields.get(topic, {})}, remark)
             continue
         if not serial:
             serial = f"{PLACEHOLDER}-with-serial-of-{camera}"
-        entries[camera] = _Entry({"topic": topic, "sensor": serial}, remark)
+        entries[camera] = _Entry({"topic": topic, **fields.get(topic, {}), "sensor": serial}, remark)
         if serial not in description.sensors:
             sensors[serial] = {"model": "gelsight_r15" if camera.startswith("gelsight") else "digit"}
     return entries, sensors

@@ -123,12 +123,21 @@ class SignalRole:
 
 @dataclass(frozen=True)
 class ImageRole:
-    """A topic that is read as a camera."""
+    """A topic that is read as a camera.
+
+    Parameters
+    ----------
+    camera, topic, sensor, channel_order : str
+        As a mapping names them.
+    data : tuple
+        Steps to the field with an encoded picture, in messages whose type is no picture's.
+    """
 
     camera: str
     topic: str
     sensor: str = ""
     channel_order: str = ""
+    data: tuple[str | int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -285,13 +294,28 @@ def _mapped_camera(
     topic = _found(entry["topic"], known, place, findings)
     if topic is None:
         return None
-    if topic.kind not in IMAGE_KINDS:
+    data = _picture_field(entry, place)
+    if topic.kind not in IMAGE_KINDS and not data:
         raise SchemaError(
             f"the mapping's {place} names {topic.name} of type {topic.kind or 'unknown'}",
-            f"one of {', '.join(IMAGE_KINDS)}",
+            f"one of {', '.join(IMAGE_KINDS)}, or 'data': the path of the field that holds a JPEG or PNG",
             path=f"$.{place}.topic",
         )
-    return ImageRole(camera, topic.name, entry.get("sensor", ""), entry.get("channel_order", ""))
+    return ImageRole(camera, topic.name, entry.get("sensor", ""), entry.get("channel_order", ""), data)
+
+
+def _picture_field(entry: Mapping[str, Any], place: str) -> tuple[str | int, ...]:
+    """Steps to the field that a camera's entry names as its picture; none where it names none."""
+    if "data" not in entry:
+        return ()
+    if "channel_order" in entry:
+        raise SchemaError(f"the mapping's {place} states a channel_order beside 'data'", "one of the two",
+                          "A picture's own bytes say its colours.", path=f"$.{place}.channel_order")  # fmt: skip
+    try:
+        return steps_of(entry["data"])
+    except ValueError as error:
+        raise SchemaError(f"the mapping's {place}: {error}", "a path such as frame.jpeg",
+                          path=f"$.{place}.data") from error  # fmt: skip
 
 
 # guesses

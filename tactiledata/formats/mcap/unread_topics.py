@@ -102,6 +102,13 @@ def unread_topics(
             entry = {name: {"topic": topic.name, "sensor": f"{PLACEHOLDER}-with-serial-of-{name}"}}
         elif topic.kind == TF_KIND:
             section, entry = _tree(topic, chosen, remarks)
+        elif topic.is_readable and (field_name := picture_field(glimpse)):
+            section, name = "images", _free_name(topic.name, names["images"], "camera")
+            remarks.append(
+                "pictures in a field: give the sensor's serial, and describe that under description: sensors:"
+            )
+            serial = f"{PLACEHOLDER}-with-serial-of-{name}"
+            entry = {name: {"topic": topic.name, "data": field_name, "sensor": serial}}
         elif topic.is_readable and glimpse.contents is not None:
             own = next((name for name, winner in chosen.items() if winner == topic.name), "")
             entry = _numbers(topic, glimpse.contents, proposal, own, names["signals"], remarks)
@@ -127,7 +134,15 @@ def _chosen(topics: Sequence[Topic], glimpses: Mapping[str, Glimpse], taken: Col
 def _proposal(topic: Topic, glimpse: Glimpse) -> FieldGuess | None:
     if not topic.is_readable or topic.kind in (TF_KIND, *IMAGE_KINDS) or glimpse.contents is None or glimpse.joints:
         return None
+    if picture_field(glimpse):
+        return None
     return proposal_for(topic.name, glimpse.contents.places)
+
+
+def picture_field(glimpse: Glimpse) -> str:
+    """Path of the first field that holds an encoded picture and that a mapping can name; empty where there is none."""
+    places = () if glimpse.contents is None else glimpse.contents.places
+    return next((place.path for place in places if place.is_picture and place.path), "")
 
 
 def _holds(topic: Topic, glimpse: Glimpse) -> list[str]:
@@ -195,6 +210,8 @@ def _numbers(
 def _units(proposal: FieldGuess | None, fields: Sequence[str]) -> list[str]:
     if proposal is None:
         return list(signal_units(tuple(fields)))
+    if proposal.units:
+        return list(proposal.units)
     return list(ROTATION_VECTOR_UNITS if proposal.is_rotation_vector else signal_units(COLUMNS_OF[proposal.signal]))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import re
 
@@ -216,12 +217,13 @@ def test_odd_topics_are_listed_and_cannot_break_the_draft(tmp_path):
 
 
 def test_a_pose_with_a_rotation_vector_becomes_one_with_a_quaternion(tmp_path):
-    """Six numbers of a pose, in mm and rad: a quarter turn about z by hand; its re-drafted mapping reads the same."""
+    """Six numbers of a pose, in mm by their size: a quarter turn about z by hand; its own new draft reads the same."""
     with Tape(tmp_path / "run.mcap") as tape:
         payload = json.dumps({"actual": [100, 200, -300, 0, 0, np.pi / 2]}).encode()
         tape.raw("/tool_pose", START, payload, "P", "jsonschema", "json", b"{}")
         tape.raw("/other_pose", START, payload, "P", "jsonschema", "json", b"{}")
-    text = uncommented(draft(tmp_path / "run.mcap")).replace("[m, m, m, rad,", "[mm, mm, mm, rad,")
+    text = uncommented(draft(tmp_path / "run.mcap"))
+    assert "positions beyond 10 are taken for millimetres" in text
     mapping = parse_document(text, "the draft")
     assert sorted(mapping["signals"]) == ["tcp", "tool_pose"]
     [source] = FORMAT.sources(tmp_path / "run.mcap")
@@ -230,6 +232,131 @@ def test_a_pose_with_a_rotation_vector_becomes_one_with_a_quaternion(tmp_path):
         pose = recording.signals["tcp"]
         np.testing.assert_allclose(pose.values, [[0.1, 0.2, -0.3, 0, 0, 0.5**0.5, 0.5**0.5]], atol=1e-15)
         assert pose.units == ("m", "m", "m", "1", "1", "1", "1")
+
+
+@pytest.mark.parametrize(
+    ("message", "units", "pose"),
+    [
+        ({"x_mm": 100, "y_mm": 2, "z_mm": 3, "rx": 0, "ry": 0, "rz": np.pi / 2}, ["mm"] * 3 + ["rad"] * 3, 0.1),
+        ({"x": 100, "y": 2, "z": 3, "rx_deg": 0, "ry_deg": 0, "rz_deg": 90}, ["m"] * 3 + ["deg"] * 3, 100.0),
+        ({"x": 100, "y": 2, "z": 3, "rx": 0, "ry": 0, "rz": np.pi / 2}, ["mm"] * 3 + ["rad"] * 3, 0.1),
+        ({"x": 9.9, "y": 2, "z": 3, "rx": 0, "ry": 0, "rz": np.pi / 2}, ["m"] * 3 + ["rad"] * 3, 9.9),
+        ({"pos_mm": [100, 2, 3], "quat": [0, 0, 0.5**0.5, 0.5**0.5]}, ["mm"] * 3 + ["1"] * 4, 0.1),
+    ],
+    ids=["mm in names", "deg in names", "mm by size", "metres", "arrays"],
+)
+def test_units_are_proposed_by_names_then_by_sizes(tmp_path, message, units, pose):
+    """A pose of one's own is proposed with the units that its fields' names or its size speak for, and so read."""
+    with Tape(tmp_path / "run.mcap") as tape:
+        tape.raw("/arm", START, json.dumps(message).encode(), "P", "jsonschema", "json", b"{}")
+    mapping = parse_document(uncommented(draft(tmp_path / "run.mcap")), "the draft")
+    assert mapping["signals"]["tcp"]["units"] == units
+    [(recording, _)] = read(FORMAT, tmp_path / "run.mcap", mapping)
+    [read_pose] = recording.signals["tcp"].values
+    assert read_pose[0] == pytest.approx(pose)
+    np.testing.assert_allclose(read_pose[3:], [0, 0, 0.5**0.5, 0.5**0.5], atol=1e-15)
+
+
+LAB_CAMERA = "lab_msgs/msg/Shot"
+
+
+def shot(payload):
+    """A picture in a ROS message of an own type."""
+    types = store()
+    if LAB_CAMERA not in types.types:
+        types.register(get_types_from_msg("int32 number\nuint8[] jpg\n", LAB_CAMERA))
+    message = types.types[LAB_CAMERA](number=1, jpg=np.frombuffer(payload, np.uint8))
+    definition, _ = types.generate_msgdef(LAB_CAMERA)
+    return types.serialize_cdr(message, LAB_CAMERA), LAB_CAMERA, "ros2msg", "cdr", definition.encode()
+
+
+def in_json(payload, before=""):
+    """A picture in a JSON message, as base64 text inside a group of fields."""
+    text = before + base64.b64encode(payload).decode()
+    content = json.dumps({"frame": {"number": 1, "jpg": text}}).encode()
+    return content, "Shot", "jsonschema", "json", b"{}"
+
+
+@pytest.mark.parametrize(
+    ("made", "path"),
+    [
+        (in_json, "frame.jpg"),
+        (lambda payload: in_json(payload, "data:image/jpeg;base64,"), "frame.jpg"),
+        (shot, "jpg"),
+    ],
+    ids=["json", "data uri", "ros"],
+)
+@pytest.mark.parametrize("suffix", [".jpg", ".png"])
+def test_pictures_in_messages_of_an_own_type_are_proposed_and_read(tmp_path, made, path, suffix):
+    """The draft names the field with the picture; with a serial it reads the bytes that went in."""
+    payloads = [encoded(picture(index, 96, 72), suffix) for index in range(2)]
+    with Tape(tmp_path / "run.mcap") as tape:
+        tape.signal("wrench", START, START, range(6))
+        for index, payload in enumerate(payloads):
+            tape.raw("/camera/shots", START + index * STEP, *made(payload))
+    text = draft(tmp_path / "run.mcap")
+    mapping = parse_document(text, "the draft")
+    assert mapping["images"]["digit"]["data"] == path
+    assert mapping["images"]["digit"]["topic"] == "/camera/shots"
+    serial = mapping["images"]["digit"]["sensor"]
+    [(_, sink)] = read(FORMAT, tmp_path / "run.mcap", parse_document(text.replace(serial, "D20542"), "the draft"))
+    assert [(image.payload, image.sensor) for image in sink.images] == [(payload, "D20542") for payload in payloads]
+
+
+def test_beside_a_known_camera_pictures_of_an_own_type_stand_in_a_paragraph(tmp_path):
+    """A topic that is read as a camera keeps its name; the other gets one of its own, once it is uncommented."""
+    payload = encoded(picture(3, 96, 72), ".jpg")
+    with Tape(tmp_path / "run.mcap") as tape:
+        tape.image(START, START, picture(1), topic="/digit/D20542/image")
+        tape.raw("/wrist", START, *in_json(payload))
+    text = draft(tmp_path / "run.mcap")
+    assert "frame.jpg: a JPEG as base64 text" in text
+    assert parse_document(text, "the draft")["images"].keys() == {"digit"}
+    mapping = parse_document(uncommented(text), "the draft")
+    assert mapping["images"]["wrist"]["data"] == "frame.jpg"
+    [(_, sink)] = read(FORMAT, tmp_path / "run.mcap", mapping)
+    assert payload in [image.payload for image in sink.images]
+
+
+@pytest.mark.parametrize(
+    ("entry", "words"),
+    [
+        ({}, "of type Shot; expected one of sensor_msgs/Image"),
+        ({"data": "frame..jpg"}, "is no path of fields"),
+        ({"data": "frame.jpg", "channel_order": "bgr"}, "states a channel_order beside 'data'"),
+    ],
+)
+def test_a_camera_that_does_not_fit_is_refused(tmp_path, entry, words):
+    """A type that is no picture's needs the path of its picture, and only that."""
+    with Tape(tmp_path / "run.mcap") as tape:
+        tape.raw("/wrist", START, *in_json(encoded(picture(3))))
+    mapping = {"format": "tactiledata-mapping/1", "images": {"digit": {"topic": "/wrist", "sensor": "D1", **entry}}}
+    with pytest.raises(SchemaError, match=re.escape(words)):
+        read(FORMAT, tmp_path / "run.mcap", mapping)
+
+
+@pytest.mark.parametrize(
+    ("content", "code", "words"),
+    [
+        ({"frame": {"jpg": "no base64!"}}, "undecodable-message", "cannot be decoded"),
+        ({"frame": {"jpg": base64.b64encode(b"no picture" * 20).decode()}}, "image-unreadable", "lost"),
+        ({"frame": {"jpg": 7}}, "undecodable-message", "no picture"),
+        ({"frame": {}}, "undecodable-message", "jpg"),
+        ({"frame": {"jpg": [300, 1]}}, "undecodable-message", "cannot be decoded"),
+    ],
+)
+def test_a_field_without_a_picture_is_counted(tmp_path, content, code, words):
+    """What is no picture in the field that should hold one is a finding; the other pictures are read."""
+    with Tape(tmp_path / "run.mcap") as tape:
+        tape.raw("/wrist", START, *in_json(encoded(picture(3, 96, 72))))
+        tape.raw("/wrist", START + STEP, json.dumps(content).encode(), "Shot", "jsonschema", "json", b"{}")
+    entry = {"topic": "/wrist", "sensor": "D1", "data": "frame.jpg"}
+    mapping = {"format": "tactiledata-mapping/1", "images": {"digit": entry}}
+    [(recording, sink)] = read(FORMAT, tmp_path / "run.mcap", mapping)
+    assert sum(bool(image.payload) for image in sink.images) == 1
+    assert [(found.code, words in found.message) for found in recording.findings if found.code == code] == [
+        (code, True)
+    ]
 
 
 @pytest.mark.parametrize(
