@@ -70,7 +70,6 @@ def find_sources(paths: Sequence[Path], format_name: str | None = None) -> tuple
 
 def undescribed_logs(unclaimed: Sequence[Path]) -> list[Finding]:
     """A warning for each folder with two tables or more of a folder log, and no log.yaml that makes it a recording."""
-    tables = Counter(path.parent for path in unclaimed if path.name in TABLES)
     return [
         Finding(
             "log-undescribed",
@@ -79,9 +78,14 @@ def undescribed_logs(unclaimed: Sequence[Path]) -> list[Finding]:
             f"Copy {DESCRIPTION} into it, or write one (docs/formats-folder.md)",
             count=count,
         )
-        for folder, count in tables.items()
-        if count > 1
+        for folder, count in _tables_alone(unclaimed).items()
     ]
+
+
+def _tables_alone(unclaimed: Sequence[Path]) -> dict[Path, int]:
+    """Folders in which two tables or more of a folder log were left, and how many."""
+    tables = Counter(path.parent for path in unclaimed if path.name in TABLES)
+    return {folder: count for folder, count in tables.items() if count > 1}
 
 
 def _no_recording(path: Path, left: Sequence[Path]) -> TactileDataError:
@@ -98,6 +102,15 @@ def _no_recording(path: Path, left: Sequence[Path]) -> TactileDataError:
             f"the folder {path} holds no recording and no file",
             "a recording, or a folder of recordings",
             "Check the path; hidden files and stores (*.zarr) are passed over.",
+            path=str(path),
+        )
+    if undescribed := _tables_alone(left):
+        folder, count = next(iter(undescribed.items()))
+        others = f", and so is it in {len(undescribed) - 1} more of its folders" if len(undescribed) > 1 else ""
+        return BrokenLog(
+            f"{folder} holds {count} tables of a folder log and no {DESCRIPTION} that can be read{others}",
+            f"a {DESCRIPTION} beside the tables",
+            f"Copy {DESCRIPTION} into it, or write one (docs/formats-folder.md).",
             path=str(path),
         )
     depth = "" if path.is_file() else f", nor do the {MAX_DEPTH} levels of folders below it contain one"

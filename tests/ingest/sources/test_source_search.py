@@ -81,12 +81,16 @@ def test_four_folders_down_are_searched(tmp_path):
 
 def test_what_is_no_recording_is_told_apart(tmp_path):
     """A store, a file in one, an empty folder, and a table of one's own are answered in words of their own."""
-    tree(tmp_path, "ds/manifest.json", "ds/zarr.json", "empty/.hidden", "own/forces.csv")
+    tree(tmp_path, "ds/manifest.json", "ds/zarr.json", "empty/.hidden", "own/forces.csv", "one/wrench.csv")
+    tree(tmp_path, "logs/a/tcp.csv", "logs/a/wrench.csv", "logs/b/tcp.csv", "logs/b/wrench.csv", "logs/b/frames.csv")
     for path, said in (
         ("ds", "ds is a store"),
         ("ds/zarr.json", "is inside a store"),
         ("empty", "holds no recording and no file"),
         ("own", "4 levels of folders below it.*folder log"),
+        ("one", "4 levels of folders below it.*folder log"),
+        ("logs/b", "b holds 3 tables of a folder log and no log.yaml that can be read; expected a log.yaml beside"),
+        ("logs", "a holds 2 tables of a folder log .* read, and so is it in 1 more of its folders"),
         ("own/forces.csv", "forces.csv is not a recording in a known format; expected.*folder log"),
     ):
         with pytest.raises((BrokenLog, UsageError), match=said):
