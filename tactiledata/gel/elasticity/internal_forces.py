@@ -19,11 +19,17 @@ NEO_HOOKEAN = Stiffening()
 """The law without further terms."""
 LEAST_VOLUME_RATIO = 1e-3
 """Smallest volume ratio J: smaller values are replaced by it, so that a diverging iterate stays finite."""
+LANES = 64
+"""Cells of a group, whose numbers stand side by side so that a processor takes several at once.
+
+With fewer, the loops over a group are too short; with more, a group no longer fits the processor's nearest cache."""
+SMALL = (0.6, 1.5)
+"""Volume ratios between which Newton's method finds the root, which is quicker than a power."""
 
 
 @dataclass(frozen=True)
 class ElasticPad:
-    """Arrays of a mesh from which nodal forces are computed.
+    """Arrays of a mesh from which nodal forces and their derivatives are computed.
 
     Parameters
     ----------
@@ -31,25 +37,46 @@ class ElasticPad:
         Nodes of each cell.
     gradients : (c, n, 3, q) 1/m, weights : (c, q) m^3
         As in ``CellQuadrature``, with the q points last.
+    group_cells : (g, n, ``LANES``)
+        ``cells`` in groups; the last cell fills up the last group.
+    group_gradients : (g, n, 3, q, ``LANES``) 1/m, group_weights : (g, q, ``LANES``) m^3
+        The same of ``gradients`` and ``weights``.
     starts, places : (v + 1,), (c n,)
-        Entries of node i in the flattened cells: ``places[starts[i]:starts[i + 1]]``.
+        Entries of node i in the flattened ``group_cells``: ``places[starts[i]:starts[i + 1]]``.
     """
 
     cells: Indices
     gradients: Array
     weights: Array
+    group_cells: Indices
+    group_gradients: Array
+    group_weights: Array
     starts: Indices
     places: Indices
 
     @staticmethod
     def of(mesh: PadMesh, quadrature: CellQuadrature) -> ElasticPad:
         """Return the arrays of a mesh and its quadrature."""
-        flat = mesh.cells.ravel()
-        counts = np.bincount(flat, minlength=len(mesh.vertices))
-        starts = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
-        places = np.argsort(flat, kind="stable").astype(np.int64)
+        cells = np.ascontiguousarray(mesh.cells)
         gradients = np.ascontiguousarray(quadrature.gradients.transpose(0, 2, 3, 1))
-        return ElasticPad(np.ascontiguousarray(mesh.cells), gradients, quadrature.weights, starts, places)
+        count, nodes = cells.shape
+        groups = -(-count // LANES)
+        members = np.minimum(np.arange(groups * LANES), count - 1).reshape(groups, LANES)
+        # the entries of each node, in the order of the cells
+        flat = cells.ravel()
+        starts = np.concatenate([[0], np.cumsum(np.bincount(flat, minlength=len(mesh.vertices)))]).astype(np.int64)
+        order = np.argsort(flat, kind="stable").astype(np.int64)
+        cell, node = order // nodes, order % nodes
+        return ElasticPad(
+            cells,
+            gradients,
+            quadrature.weights,
+            np.ascontiguousarray(cells[members].transpose(0, 2, 1)),
+            np.ascontiguousarray(gradients[members].transpose(0, 2, 3, 4, 1)),
+            np.ascontiguousarray(quadrature.weights[members].transpose(0, 2, 1)),
+            starts,
+            (cell // LANES * nodes + node) * LANES + cell % LANES,
+        )
 
 
 def internal_forces(
@@ -84,9 +111,12 @@ def internal_forces(
 
     def forces_of_item(item: int) -> None:
         """Write the nodal forces of one deformation."""
-        cell_forces = np.empty((pad.cells.size, 3))
-        _cell_forces(displacement[item], pad.cells, pad.gradients, pad.weights, shear, lame, c20, c30, cell_forces)
-        _gather(cell_forces, pad.starts, pad.places, forces[item])
+        cell_forces = np.empty((3, *pad.group_cells.shape))
+        _group_forces(
+            displacement[item], pad.group_cells, pad.group_gradients, pad.group_weights, shear, lame, c20, c30,
+            cell_forces,
+        )  # fmt: skip
+        _gather(cell_forces.reshape(3, -1), pad.starts, pad.places, forces[item])
 
     work: Iterable[None] = (map if threads is None else threads.map)(forces_of_item, range(len(displacement)))
     deque(work, maxlen=0)
@@ -95,41 +125,17 @@ def internal_forces(
 
 @njit(nogil=True, cache=True)
 def _gather(cell_forces: Array, starts: Indices, places: Indices, forces: Array) -> None:
-    """Sum the cells' forces (c n, 3) on each node into ``forces`` (v, 3), always in the same order."""
+    """Sum the cells' forces (3, g n ``LANES``) on each node into ``forces`` (v, 3), always in the same order."""
     for node in range(len(forces)):
         for axis in range(3):
             total = 0.0
             for place in range(starts[node], starts[node + 1]):
-                total += cell_forces[places[place], axis]
+                total += cell_forces[axis, places[place]]
             forces[node, axis] = total
 
 
 @njit(nogil=True, cache=True, fastmath={"contract", "reassoc", "arcp", "nsz"})
-def add_displacement_gradient(displacement: Array, nodes: Indices, gradient: Array, out: Array) -> None:
-    """Add the displacement gradient at the points of a cell to ``out`` (9, q), row by row of the gradient.
-
-    Parameters
-    ----------
-    displacement : (v, 3) m
-        Displacements of all nodes.
-    nodes : (n,)
-        Nodes of the cell.
-    gradient : (n, 3, q) 1/m
-        Gradients of the shape functions at the points.
-    out : (9, q)
-        Changed in place.
-    """
-    for node in range(len(nodes)):
-        node_displacement = displacement[nodes[node]]
-        for i in range(3):
-            for a in range(3):
-                row, slope = out[3 * i + a], gradient[node, a]
-                for q in range(len(slope)):
-                    row[q] += node_displacement[i] * slope[q]
-
-
-@njit(nogil=True, cache=True, fastmath={"contract", "reassoc", "arcp", "nsz"})
-def _cell_forces(
+def _group_forces(
     displacement: Array,
     cells: Indices,
     gradients: Array,
@@ -140,79 +146,104 @@ def _cell_forces(
     c30: float,
     out: Array,
 ) -> None:
-    """Write the forces of each cell on its nodes to ``out`` (c n, 3), m^2.
+    """Write the forces of each cell on its nodes to ``out`` (3, g, n, ``LANES``), m^2.
 
-    The innermost loops run over a cell's points, so that they are vectorised.
+    The innermost loops run over the cells of a group, so that they are vectorised.
     """
-    nodes, points = gradients.shape[1], gradients.shape[3]
+    groups, nodes, _, points, lanes = gradients.shape
     is_stiffening = c20 != 0.0 or c30 != 0.0
-    f, stress = np.empty((9, points)), np.empty((9, points))
-    ratios, squares, roots = np.empty(points), np.empty(points), np.empty(points)
-    for cell in range(len(cells)):
-        gradient, weight = gradients[cell], weights[cell]
-        # displacement gradient at the points; the identity is added below
-        f[:] = 0.0
-        add_displacement_gradient(displacement, cells[cell], gradient, f)
-        volume = mean_ratio = 0.0
+    moved = np.empty((nodes, 3, lanes))
+    f, stress = np.empty((points, 9, lanes)), np.empty((9, lanes))
+    ratios, squares, roots = np.empty((points, lanes)), np.empty((points, lanes)), np.empty((points, lanes))
+    volume, mean_ratio, pressure = np.empty(lanes), np.empty(lanes), np.empty(lanes)
+    for group in range(groups):
+        for node in range(nodes):
+            for lane in range(lanes):
+                place = cells[group, node, lane]
+                for i in range(3):
+                    moved[node, i, lane] = displacement[place, i]
+        volume[:] = 0.0
+        mean_ratio[:] = 0.0
+        pressure[:] = 0.0
         least = most = 1.0
         for q in range(points):
-            f[0, q] += 1.0
-            f[4, q] += 1.0
-            f[8, q] += 1.0
-            # the cofactor of F, which is d(ratio)/dF
-            stress[0, q] = f[4, q] * f[8, q] - f[5, q] * f[7, q]
-            stress[1, q] = f[5, q] * f[6, q] - f[3, q] * f[8, q]
-            stress[2, q] = f[3, q] * f[7, q] - f[4, q] * f[6, q]
-            stress[3, q] = f[2, q] * f[7, q] - f[1, q] * f[8, q]
-            stress[4, q] = f[0, q] * f[8, q] - f[2, q] * f[6, q]
-            stress[5, q] = f[1, q] * f[6, q] - f[0, q] * f[7, q]
-            stress[6, q] = f[1, q] * f[5, q] - f[2, q] * f[4, q]
-            stress[7, q] = f[2, q] * f[3, q] - f[0, q] * f[5, q]
-            stress[8, q] = f[0, q] * f[4, q] - f[1, q] * f[3, q]
-            ratio = f[0, q] * stress[0, q] + f[1, q] * stress[1, q] + f[2, q] * stress[2, q]
-            ratios[q] = max(ratio, LEAST_VOLUME_RATIO)
-            least, most = min(least, ratios[q]), max(most, ratios[q])
-            volume += weight[q]
-            mean_ratio += weight[q] * ratio
-            square = 0.0
-            for k in range(9):
-                square += f[k, q] * f[k, q]
-            squares[q] = square
-        mean_ratio = max(mean_ratio / volume, LEAST_VOLUME_RATIO)
-        if least > 0.6 and most < 1.5:
-            # ratio ** (-2 / 3) by Newton's method, which is vectorised; four steps reach rounding in this range
-            for q in range(points):
-                excess = ratios[q] - 1.0
-                root = 1.0 - excess * (1.0 / 3.0) + excess * excess * (2.0 / 9.0)
-                for _ in range(4):
-                    root *= (4.0 - ratios[q] * root * root * root) * (1.0 / 3.0)
-                roots[q] = root * root
-        else:
-            for q in range(points):
-                roots[q] = ratios[q] ** (-2.0 / 3.0)
-        # derivative of the energy with respect to the mean change of volume, per volume
-        pressure = 0.0
+            # deformation gradient, row by row
+            f[q] = 0.0
+            for lane in range(lanes):
+                f[q, 0, lane] = f[q, 4, lane] = f[q, 8, lane] = 1.0
+            for node in range(nodes):
+                for i in range(3):
+                    for lane in range(lanes):
+                        f[q, 3 * i, lane] += moved[node, i, lane] * gradients[group, node, 0, q, lane]
+                        f[q, 3 * i + 1, lane] += moved[node, i, lane] * gradients[group, node, 1, q, lane]
+                        f[q, 3 * i + 2, lane] += moved[node, i, lane] * gradients[group, node, 2, q, lane]
+            for lane in range(lanes):
+                f0, f1, f2 = f[q, 0, lane], f[q, 1, lane], f[q, 2, lane]
+                f3, f4, f5 = f[q, 3, lane], f[q, 4, lane], f[q, 5, lane]
+                f6, f7, f8 = f[q, 6, lane], f[q, 7, lane], f[q, 8, lane]
+                ratio = f0 * (f4 * f8 - f5 * f7) + f1 * (f5 * f6 - f3 * f8) + f2 * (f3 * f7 - f4 * f6)
+                volume[lane] += weights[group, q, lane]
+                mean_ratio[lane] += weights[group, q, lane] * ratio
+                ratios[q, lane] = max(ratio, LEAST_VOLUME_RATIO)
+                squares[q, lane] = (
+                    f0 * f0 + f1 * f1 + f2 * f2 + f3 * f3 + f4 * f4 + f5 * f5 + f6 * f6 + f7 * f7 + f8 * f8
+                )
+            for lane in range(lanes):
+                least, most = min(least, ratios[q, lane]), max(most, ratios[q, lane])
+        is_small = least > SMALL[0] and most < SMALL[1]
         for q in range(points):
-            pressure += weight[q] * roots[q] * squares[q]
-        root = mean_ratio ** (-1.0 / 3.0)
-        pressure *= shear / (3.0 * volume) * root
-        pressure += (lame * np.log(mean_ratio) - shear) / mean_ratio
-        # first Piola-Kirchhoff stress times the weight
+            if is_small:
+                # ratio ** (-2 / 3) by Newton's method, which is vectorised; four steps reach rounding in this range
+                for lane in range(lanes):
+                    ratio = ratios[q, lane]
+                    excess = ratio - 1.0
+                    root = 1.0 - excess * (1.0 / 3.0) + excess * excess * (2.0 / 9.0)
+                    root *= (4.0 - ratio * root * root * root) * (1.0 / 3.0)
+                    root *= (4.0 - ratio * root * root * root) * (1.0 / 3.0)
+                    root *= (4.0 - ratio * root * root * root) * (1.0 / 3.0)
+                    root *= (4.0 - ratio * root * root * root) * (1.0 / 3.0)
+                    roots[q, lane] = root * root
+            else:
+                for lane in range(lanes):
+                    roots[q, lane] = ratios[q, lane] ** (-2.0 / 3.0)
+            for lane in range(lanes):
+                pressure[lane] += weights[group, q, lane] * roots[q, lane] * squares[q, lane]
+        for lane in range(lanes):
+            # derivative of the energy with respect to the mean change of volume, per volume
+            mean = max(mean_ratio[lane] / volume[lane], LEAST_VOLUME_RATIO)
+            root = mean ** (-1.0 / 3.0)
+            pressure[lane] *= shear / (3.0 * volume[lane]) * root
+            pressure[lane] += (lame * np.log(mean) - shear) / mean
+            mean_ratio[lane] = shear * mean * root
+        for i in range(3):
+            out[i, group] = 0.0
         for q in range(points):
-            scale = shear * mean_ratio * root * roots[q]
-            if is_stiffening:
-                strain = roots[q] * squares[q] - 3.0
-                scale += 2.0 * (2.0 * c20 + 3.0 * c30 * strain) * strain * roots[q]
-            pressure_factor = (pressure - scale * squares[q] / (3.0 * ratios[q])) * weight[q]
-            scale *= weight[q]
-            for k in range(9):
-                stress[k, q] = scale * f[k, q] + pressure_factor * stress[k, q]
-        # forces on the nodes: stress times the gradients of shape functions
-        for node in range(nodes):
-            for i in range(3):
-                force = 0.0
-                for a in range(3):
-                    row, slope = stress[3 * i + a], gradient[node, a]
-                    for q in range(points):
-                        force += row[q] * slope[q]
-                out[cell * nodes + node, i] = force
+            for lane in range(lanes):
+                # first Piola-Kirchhoff stress times the weight; the cofactor of F is d(ratio)/dF
+                scale, root, square = mean_ratio[lane] * roots[q, lane], roots[q, lane], squares[q, lane]
+                if is_stiffening:
+                    strain = root * square - 3.0
+                    scale += 2.0 * (2.0 * c20 + 3.0 * c30 * strain) * strain * root
+                turn = (pressure[lane] - scale * square / (3.0 * ratios[q, lane])) * weights[group, q, lane]
+                scale *= weights[group, q, lane]
+                f0, f1, f2 = f[q, 0, lane], f[q, 1, lane], f[q, 2, lane]
+                f3, f4, f5 = f[q, 3, lane], f[q, 4, lane], f[q, 5, lane]
+                f6, f7, f8 = f[q, 6, lane], f[q, 7, lane], f[q, 8, lane]
+                stress[0, lane] = scale * f0 + turn * (f4 * f8 - f5 * f7)
+                stress[1, lane] = scale * f1 + turn * (f5 * f6 - f3 * f8)
+                stress[2, lane] = scale * f2 + turn * (f3 * f7 - f4 * f6)
+                stress[3, lane] = scale * f3 + turn * (f2 * f7 - f1 * f8)
+                stress[4, lane] = scale * f4 + turn * (f0 * f8 - f2 * f6)
+                stress[5, lane] = scale * f5 + turn * (f1 * f6 - f0 * f7)
+                stress[6, lane] = scale * f6 + turn * (f1 * f5 - f2 * f4)
+                stress[7, lane] = scale * f7 + turn * (f2 * f3 - f0 * f5)
+                stress[8, lane] = scale * f8 + turn * (f0 * f4 - f1 * f3)
+            # forces on the nodes: stress times the gradients of shape functions
+            for node in range(nodes):
+                for i in range(3):
+                    for lane in range(lanes):
+                        out[i, group, node, lane] += (
+                            stress[3 * i, lane] * gradients[group, node, 0, q, lane]
+                            + stress[3 * i + 1, lane] * gradients[group, node, 1, q, lane]
+                            + stress[3 * i + 2, lane] * gradients[group, node, 2, q, lane]
+                        )

@@ -7,12 +7,7 @@ from numba import njit
 from scipy.sparse import csc_array
 
 from tactiledata.arrays import Array, Indices
-from tactiledata.gel.elasticity.internal_forces import (
-    LEAST_VOLUME_RATIO,
-    NEO_HOOKEAN,
-    ElasticPad,
-    add_displacement_gradient,
-)
+from tactiledata.gel.elasticity.internal_forces import LEAST_VOLUME_RATIO, NEO_HOOKEAN, ElasticPad
 from tactiledata.gel.elasticity.stiffening import Stiffening
 
 STRAINED = 0.05
@@ -85,6 +80,30 @@ def _filter(matrices: Array, displacement: Array, gradients: Array) -> None:
     negative = values[:, 0] < 0
     values, vectors = np.maximum(values[negative], 0.0), vectors[negative]
     matrices[strained[negative]] = (vectors * values[:, None, :]) @ vectors.transpose(0, 2, 1)
+
+
+@njit(nogil=True, cache=True, fastmath={"contract", "reassoc", "arcp", "nsz"})
+def add_displacement_gradient(displacement: Array, nodes: Indices, gradient: Array, out: Array) -> None:
+    """Add the displacement gradient at the points of a cell to ``out`` (9, q), row by row of the gradient.
+
+    Parameters
+    ----------
+    displacement : (v, 3) m
+        Displacements of all nodes.
+    nodes : (n,)
+        Nodes of the cell.
+    gradient : (n, 3, q) 1/m
+        Gradients of the shape functions at the points.
+    out : (9, q)
+        Changed in place.
+    """
+    for node in range(len(nodes)):
+        node_displacement = displacement[nodes[node]]
+        for i in range(3):
+            for a in range(3):
+                row, slope = out[3 * i + a], gradient[node, a]
+                for q in range(len(slope)):
+                    row[q] += node_displacement[i] * slope[q]
 
 
 @njit(nogil=True, cache=True, fastmath={"contract", "reassoc", "arcp", "nsz"})

@@ -6,14 +6,9 @@ from scipy.sparse.linalg import splu
 
 from tactiledata.gel.elasticity.compliance import FactorisedPad
 from tactiledata.gel.elasticity.deformed import TangentFactory
-from tactiledata.gel.elasticity.internal_forces import (
-    NEO_HOOKEAN,
-    ElasticPad,
-    add_displacement_gradient,
-    internal_forces,
-)
+from tactiledata.gel.elasticity.internal_forces import NEO_HOOKEAN, ElasticPad, internal_forces
 from tactiledata.gel.elasticity.stiffening import Stiffening
-from tactiledata.gel.elasticity.tangent import TangentAssembly
+from tactiledata.gel.elasticity.tangent import TangentAssembly, add_displacement_gradient
 from tactiledata.gel.mesh.cells import cell_quadrature
 from tactiledata.gel.mesh.structured_pad import GridPlan, structured_pad
 from tactiledata.gel.mesh.surface import contact_surface
