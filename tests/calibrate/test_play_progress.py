@@ -100,6 +100,34 @@ def test_each_file_that_appears_is_reported(tmp_path):
     assert counts == sorted(counts)
 
 
+def test_plays_that_take_longer_count_for_more(tmp_path):
+    """Two plays that take eight times as long as the other eight are two thirds of the work, and of the count."""
+    paths = [tmp_path / f"{number}.npz" for number in range(10)]
+    counts, seen = [], threading.Condition()
+
+    def report(done, total, what=""):
+        with seen:
+            counts.append((done, total))
+            seen.notify_all()
+
+    efforts = [8.0, 8.0] + [1.0] * 8
+    with PlayProgress(paths, report, efforts, interval=0.01) as progress:
+        for finished, expected in ((1, 3), (2, 6), (6, 8), (9, 9), (10, 10)):
+            for path in paths[:finished]:
+                path.touch()
+            with seen:
+                assert seen.wait_for(lambda expected=expected: (expected, 10) in counts, SECONDS), counts
+        progress.finished(10, "all")
+    assert counts == sorted(counts)
+    alone = []
+    with PlayProgress(
+        [tmp_path / "none" / str(k) for k in range(10)], lambda *news: alone.append(news), efforts
+    ) as slow:
+        slow.finished(2, "long")
+        slow.finished(10, "short")
+    assert alone == [(0, 10), (6, 10, "long"), (10, 10, "short")]
+
+
 def test_without_a_cache_batches_move_the_count(tmp_path):
     """Where no file can be kept, the end of a batch is reported, and never less than before."""
     counts = []

@@ -96,7 +96,9 @@ def play_batches(
     outcomes = (runner or LocalScheduler()).outcomes(_play, longest_first, len(batches))
     plays: dict[int, list[Play]] = {}
     finished = 0
-    with PlayProgress([path for batch in longest_first for path in batch.paths], report_progress) as progress:
+    paths = [path for batch in longest_first for path in batch.paths]
+    efforts = [batch.effort / len(batch.paths) for batch in longest_first for _ in batch.paths]
+    with PlayProgress(paths, report_progress, efforts) as progress:
         for number, outcome in zip(order, outcomes, strict=True):
             plays[number] = outcome.value
             finished += len(outcome.task.touches)
