@@ -439,6 +439,32 @@ def eval_path(message, path):
     return message
 
 
+@pytest.mark.slow
+@given(
+    values=st.lists(
+        VALUES
+        | st.none()
+        | st.binary(max_size=40).map(lambda value: base64.b64encode(b"\xff\xd8\xff" + value).decode()),
+        min_size=1,
+        max_size=5,
+    )
+)
+def test_whatever_stands_where_a_picture_should_is_lost_or_read(tmp_path_factory, values):
+    """Law: each message of a camera is a picture, a lost picture or a message that is counted; none is an error."""
+    path = tmp_path_factory.mktemp("law") / "run.mcap"
+    with Tape(path) as tape:
+        tape.signal("wrench", START, START, range(6))
+        for index, value in enumerate(values):
+            content = json.dumps({"jpg": value}).encode()
+            tape.raw("/wrist", START + index * STEP, content, "Shot", "jsonschema", "json", b"{}")
+    entry = {"topic": "/wrist", "sensor": "D1", "data": "jpg"}
+    [(recording, sink)] = read(FORMAT, path, {"format": "tactiledata-mapping/1", "images": {"digit": entry}})
+    uncounted = len(values) - len(sink.images)
+    assert uncounted == sum(found.count for found in recording.findings if found.code == "undecodable-message")
+    assert all(not image.payload for image in sink.images if image.encoding == "missing")
+    draft(path)
+
+
 @pytest.mark.parametrize(
     ("topic", "message", "signal", "first"),
     [
