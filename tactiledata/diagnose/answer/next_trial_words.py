@@ -53,7 +53,7 @@ def next_trial_sentences(proposals: Sequence[Proposal], is_more_left: bool = Fal
     if not sentences and is_more_left:
         return ["The recordings separate the explanations that were tried, and none of these explains what is left."]
     if not sentences:
-        return ["The recordings separate the explanations that are left; no further trial is needed for that."]
+        return ["These recordings tell the explanations that were tried apart: no trial is proposed."]
     if proposals[0].bench.base is closed_form:
         sentences.append("These are estimates in closed form, made before anything is recorded.")
     return sentences

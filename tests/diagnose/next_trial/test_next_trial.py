@@ -253,6 +253,6 @@ def test_where_nothing_is_left_there_is_no_trial(named):
 def test_no_trial_is_promised_for_what_is_in_no_catalogue(named):
     """Explanations that are told apart, with structure left: that is said, and not that nothing is needed."""
     clear = [dataclasses.replace(one, separations=()) for one in propose_trials(named)]
-    assert "no further trial is needed" in next_trial_sentences(clear)[0]
+    assert "no trial is proposed" in next_trial_sentences(clear)[0]
     (said,) = next_trial_sentences(clear, is_more_left=True)
     assert "none of these explains what is left" in said
