@@ -126,6 +126,10 @@ def test_plays_that_take_longer_count_for_more(tmp_path):
         slow.finished(2, "long")
         slow.finished(10, "short")
     assert alone == [(0, 10), (6, 10, "long"), (10, 10, "short")]
+    idle = []
+    with PlayProgress([tmp_path / "none"] * 2, lambda *news: idle.append(news), [0.0, 0.0]) as nothing:
+        nothing.finished(2, "of no length")
+    assert idle == [(0, 2), (2, 2, "of no length")]
 
 
 def test_without_a_cache_batches_move_the_count(tmp_path):

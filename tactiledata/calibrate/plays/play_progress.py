@@ -43,9 +43,9 @@ class PlayProgress:
         interval: float = INTERVAL,
     ) -> None:
         self._total = len(paths)
-        mean = sum(efforts) / len(efforts) if efforts else 1.0
         # in plays of mean length
-        lengths = [effort / mean for effort in efforts] if efforts else [1.0] * len(paths)
+        mean = sum(efforts or ()) / max(len(paths), 1)
+        lengths = [effort / mean for effort in efforts] if efforts and mean > 0.0 else [1.0] * len(paths)
         self._missing = list(zip(paths, lengths, strict=True))
         self._lengths_up_to = list(itertools.accumulate(lengths, initial=0.0))
         self._report, self._interval = report, interval

@@ -21,7 +21,7 @@ from tactiledata.errors import BrokenLog
 from tactiledata.formats.mcap.cdr import COMPRESSED_LAYOUT, IMAGE_LAYOUT, Take, compressed_at, image_at
 from tactiledata.formats.mcap.collect import FaultCount
 from tactiledata.formats.mcap.decode import FAULTS, Decoder
-from tactiledata.formats.mcap.message_fields import frame_of, kind_in_words, path_of, stamp_of, value_at
+from tactiledata.formats.mcap.message_fields import frame_of, path_of, stamp_of, value_at
 from tactiledata.formats.mcap.roles import COMPRESSED_KINDS, ImageRole
 from tactiledata.formats.mcap.undecoded import reason_of
 
@@ -228,9 +228,10 @@ def _compressed_fields(message: Any) -> tuple[bytes, str]:
 
 def _picture_at(steps: tuple[str | int, ...], message: Any) -> tuple[bytes, str]:
     value = value_at(message, steps)
-    if isinstance(value, int | float):
-        raise TypeError(f"{path_of(steps)!r} is {kind_in_words(value)}, and no picture")
-    return _bytes_of(value), path_of(steps)
+    if isinstance(value, int | float | np.number):  # of which bytes() would make that many zeros
+        raise TypeError(f"{path_of(steps)!r} is a number, and no picture")
+    # base64 may come in lines
+    return _bytes_of("".join(value.split()) if isinstance(value, str) else value), path_of(steps)
 
 
 def _raw_fields(message: Any) -> tuple[str, int, int, int, bytes]:

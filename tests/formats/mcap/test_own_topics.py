@@ -270,9 +270,9 @@ def shot(payload):
     return types.serialize_cdr(message, LAB_CAMERA), LAB_CAMERA, "ros2msg", "cdr", definition.encode()
 
 
-def in_json(payload, before=""):
+def in_json(payload, before="", encode=base64.b64encode):
     """A picture in a JSON message, as base64 text inside a group of fields."""
-    text = before + base64.b64encode(payload).decode()
+    text = before + encode(payload).decode()
     content = json.dumps({"frame": {"number": 1, "jpg": text}}).encode()
     return content, "Shot", "jsonschema", "json", b"{}"
 
@@ -282,9 +282,10 @@ def in_json(payload, before=""):
     [
         (in_json, "frame.jpg"),
         (lambda payload: in_json(payload, "data:image/jpeg;base64,"), "frame.jpg"),
+        (lambda payload: in_json(payload, encode=base64.encodebytes), "frame.jpg"),
         (shot, "jpg"),
     ],
-    ids=["json", "data uri", "ros"],
+    ids=["json", "data uri", "lines", "ros"],
 )
 @pytest.mark.parametrize("suffix", [".jpg", ".png"])
 def test_pictures_in_messages_of_an_own_type_are_proposed_and_read(tmp_path, made, path, suffix):
@@ -301,6 +302,25 @@ def test_pictures_in_messages_of_an_own_type_are_proposed_and_read(tmp_path, mad
     serial = mapping["images"]["digit"]["sensor"]
     [(_, sink)] = read(FORMAT, tmp_path / "run.mcap", parse_document(text.replace(serial, "D20542"), "the draft"))
     assert [(image.payload, image.sensor) for image in sink.images] == [(payload, "D20542") for payload in payloads]
+
+
+def test_a_number_is_no_picture_however_large(tmp_path):
+    """A ROS message whose field is a number of many digits is counted: no memory is taken for it."""
+    types = store()
+    text, kind = "int64 jpg\n", "lab_msgs/msg/Bomb"
+    types.register({} if kind in types.types else get_types_from_msg(text, kind))
+    payload = types.serialize_cdr(types.types[kind](jpg=10**15), kind)
+    with Tape(tmp_path / "run.mcap") as tape:
+        tape.signal("wrench", START, START, range(6))
+        tape.raw("/wrist", START, payload, kind, "ros2msg", "cdr", text.encode())
+    mapping = {
+        "format": "tactiledata-mapping/1",
+        "images": {"digit": {"topic": "/wrist", "sensor": "D1", "data": "jpg"}},
+    }
+    [(recording, sink)] = read(FORMAT, tmp_path / "run.mcap", mapping)
+    assert not sink.images
+    (found,) = [found for found in recording.findings if found.code == "undecodable-message"]
+    assert "is a number, and no picture" in found.message
 
 
 def test_beside_a_known_camera_pictures_of_an_own_type_stand_in_a_paragraph(tmp_path):
