@@ -27,7 +27,7 @@ from tactiledata.formats.mcap.unread_topics import (
     UnreadTopics,
     entry_text,
     on_one_line,
-    picture_field,
+    picture_fields,
     unread_topics,
 )
 from tactiledata.formats.reading.natural_order import natural_key
@@ -203,30 +203,32 @@ def _images(
     glimpses: Mapping[str, Glimpse],
 ) -> tuple[dict[str, _Entry], dict[str, Any]]:
     """Cameras, and the sensors that the recording does not describe."""
-    cameras = [(role.camera, role.topic, "") for role in roles.images]
-    fields = {role.topic: {"data": path_of(role.data)} for role in roles.images if role.data}
+    cameras = [(role.camera, _source(role.topic, path_of(role.data)), "") for role in roles.images]
     if not cameras:
-        pictures = [topic.name for topic in known if topic.kind in IMAGE_KINDS]
-        if not pictures:
-            inside = {topic.name: picture_field(glimpses.get(topic.name, Glimpse())) for topic in known}
-            pictures = [name for name, path in inside.items() if path and name not in roles.topics]
-            fields = {name: {"data": inside[name]} for name in pictures}
+        sources = [_source(topic.name) for topic in known if topic.kind in IMAGE_KINDS] or [
+            _source(topic.name, path) for topic in known for path in picture_fields(glimpses.get(topic.name, Glimpse()))
+        ]
         unsure = "nothing in the topic's name says tactile: remove it where it is no tactile sensor"
-        cameras = [("digit" if n == 0 else f"digit_{n + 1}", topic, unsure) for n, topic in enumerate(pictures)]
+        cameras = [("digit" if n == 0 else f"digit_{n + 1}", source, unsure) for n, source in enumerate(sources)]
     entries: dict[str, _Entry] = {}
     sensors: dict[str, Any] = {}
-    for camera, topic, remark in cameras:
-        serial = serials.get(topic, "")
+    for camera, source, remark in cameras:
+        serial = serials.get(source["topic"], "")
         if not serial and description.sensors:
             remark = " ".join(filter(None, (remark, f"which sensor is it? sensor: {' or '.join(description.sensors)}")))
-            entries[camera] = _Entry({"topic": topic, **fields.get(topic, {})}, remark)
+            entries[camera] = _Entry(source, remark)
             continue
         if not serial:
             serial = f"{PLACEHOLDER}-with-serial-of-{camera}"
-        entries[camera] = _Entry({"topic": topic, **fields.get(topic, {}), "sensor": serial}, remark)
+        entries[camera] = _Entry({**source, "sensor": serial}, remark)
         if serial not in description.sensors:
             sensors[serial] = {"model": "gelsight_r15" if camera.startswith("gelsight") else "digit"}
     return entries, sensors
+
+
+def _source(topic: str, data: str = "") -> dict[str, str]:
+    """Where a camera's pictures are: its topic, and the field where the type of its messages does not say it."""
+    return {"topic": topic, "data": data} if data else {"topic": topic}
 
 
 def _written(name: str, entry: _Entry) -> str:

@@ -102,13 +102,13 @@ def unread_topics(
             entry = {name: {"topic": topic.name, "sensor": f"{PLACEHOLDER}-with-serial-of-{name}"}}
         elif topic.kind == TF_KIND:
             section, entry = _tree(topic, chosen, remarks)
-        elif topic.is_readable and (field_name := picture_field(glimpse)):
-            section, name = "images", _free_name(topic.name, names["images"], "camera")
-            remarks.append(
-                "pictures in a field: give the sensor's serial, and describe that under description: sensors:"
-            )
-            serial = f"{PLACEHOLDER}-with-serial-of-{name}"
-            entry = {name: {"topic": topic.name, "data": field_name, "sensor": serial}}
+        elif topic.is_readable and (pictures := picture_fields(glimpse)):
+            section = "images"
+            remarks.append("pictures: give each sensor's serial, and describe it under description: sensors:")
+            for path in pictures:
+                name = _free_name(topic.name, names["images"], "camera")
+                serial = f"{PLACEHOLDER}-with-serial-of-{name}"
+                entry[name] = {"topic": topic.name, "data": path, "sensor": serial}
         elif topic.is_readable and glimpse.contents is not None:
             own = next((name for name, winner in chosen.items() if winner == topic.name), "")
             entry = _numbers(topic, glimpse.contents, proposal, own, names["signals"], remarks)
@@ -134,15 +134,15 @@ def _chosen(topics: Sequence[Topic], glimpses: Mapping[str, Glimpse], taken: Col
 def _proposal(topic: Topic, glimpse: Glimpse) -> FieldGuess | None:
     if not topic.is_readable or topic.kind in (TF_KIND, *IMAGE_KINDS) or glimpse.contents is None or glimpse.joints:
         return None
-    if picture_field(glimpse):
+    if picture_fields(glimpse):
         return None
     return proposal_for(topic.name, glimpse.contents.places)
 
 
-def picture_field(glimpse: Glimpse) -> str:
-    """Path of the first field that holds an encoded picture and that a mapping can name; empty where there is none."""
+def picture_fields(glimpse: Glimpse) -> tuple[str, ...]:
+    """Paths of the fields that hold an encoded picture and that a mapping can name."""
     places = () if glimpse.contents is None else glimpse.contents.places
-    return next((place.path for place in places if place.is_picture and place.path), "")
+    return tuple(place.path for place in places if place.is_picture and place.path)
 
 
 def _holds(topic: Topic, glimpse: Glimpse) -> list[str]:

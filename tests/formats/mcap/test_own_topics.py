@@ -323,6 +323,25 @@ def test_a_number_is_no_picture_however_large(tmp_path):
     assert "is a number, and no picture" in found.message
 
 
+def test_two_pictures_in_one_message_are_two_cameras(tmp_path):
+    """Left and right in one JSON message: the draft, and the draft of what it reads, have both, each with its field."""
+    left, right = (encoded(picture(index, 96, 72), ".jpg") for index in range(2))
+    content = {"left": base64.b64encode(left).decode(), "right": base64.b64encode(right).decode()}
+    with Tape(tmp_path / "run.mcap") as tape:
+        tape.signal("wrench", START, START, range(6))
+        tape.raw("/pair", START, json.dumps(content).encode(), "Pair", "jsonschema", "json", b"{}")
+    mapping = parse_document(draft(tmp_path / "run.mcap"), "the draft")
+    assert {name: entry["data"] for name, entry in mapping["images"].items()} == {"digit": "left", "digit_2": "right"}
+    for serial, entry in zip(("D1", "D2"), mapping["images"].values(), strict=True):
+        entry["sensor"] = serial
+    mapping["description"] = {"sensors": {serial: {"model": "digit"} for serial in ("D1", "D2")}}
+    [(_, sink)] = read(FORMAT, tmp_path / "run.mcap", mapping)
+    assert {(image.camera, image.payload) for image in sink.images} == {("digit", left), ("digit_2", right)}
+    [source] = FORMAT.sources(tmp_path / "run.mcap")
+    again = FORMAT.inspect(source, mapping).suggested_mapping["images"]
+    assert {name: entry["data"] for name, entry in again.items()} == {"digit": "left", "digit_2": "right"}
+
+
 def test_beside_a_known_camera_pictures_of_an_own_type_stand_in_a_paragraph(tmp_path):
     """A topic that is read as a camera keeps its name; the other gets one of its own, once it is uncommented."""
     payload = encoded(picture(3, 96, 72), ".jpg")
