@@ -29,7 +29,7 @@ class CheckedCommand(TyperCommand):
         ------
         UsageError
             An option or an argument was given as a blank text (where blank is the default it says "none", typed or
-            not); or one that must be given was not; or output would be written into a store.
+            not); or output would be written into a store; or one that must be given was not.
         """
         # as it was typed: of a path, "" would be the working folder
         typed, _, _ = self.make_parser(ctx).parse_args(args=list(args))
@@ -41,13 +41,13 @@ class CheckedCommand(TyperCommand):
                 raise UsageError(
                     f"{name} is given a blank text", "a text that says something", f"Leave {name} out, or name a value."
                 )
+        for parameter in self.params:
+            if parameter.name == OUTPUT and typed.get(OUTPUT) is not None:
+                _refuse_store(str(typed[OUTPUT]), max(parameter.opts, key=len))
         if not (ctx.resilient_parsing or typed.get("help")):
             for parameter in self.params:
                 if parameter.required and typed.get(parameter.name) in (None, ()):
                     _refuse_missing(parameter, ctx.command_path)
-        for parameter in self.params:
-            if parameter.name == OUTPUT and typed.get(OUTPUT) is not None:
-                _refuse_store(str(typed[OUTPUT]), max(parameter.opts, key=len))
         return super().parse_args(ctx, args)
 
 
