@@ -227,7 +227,7 @@ def _images(
 
 
 def _source(topic: str, data: str = "") -> dict[str, str]:
-    """Where a camera's pictures are: its topic, and the field where the type of its messages does not say it."""
+    """Return where pictures are: their topic, and the field in messages whose type does not say it."""
     return {"topic": topic, "data": data} if data else {"topic": topic}
 
 
