@@ -22,6 +22,8 @@ PICTURES = {b"\xff\xd8\xff": "JPEG", b"\x89PNG\r\n\x1a\n": "PNG"}
 """First bytes of an encoded picture -> its format."""
 PICTURE_TEXTS = re.compile(r"(?:data:[^,]{0,200};base64,)?(?P<head>/9j/|iVBORw0KGgo)[A-Za-z0-9+/=\s]{32}")
 """How the same bytes begin as base64 text."""
+HEAD = 16
+"""Bytes that are looked at to know a picture."""
 NAME = re.compile(r"[A-Za-z_]\w*")
 STAMPS = re.compile(r"(header|timestamp|stamp|frame_id)(\.|$)")
 
@@ -87,7 +89,7 @@ def _places(value: Any, path: str, depth: int) -> Iterator[Place]:
             kind = "JPEG" if match["head"] == "/9j/" else "PNG"
             yield Place(path, f"a {kind} as base64 text", is_picture=True)
     elif isinstance(value, bytes | bytearray | memoryview):
-        yield _bytes(value, path)
+        yield _bytes(bytes(value[:HEAD]), len(value), path)
     elif isinstance(value, Mapping):
         yield from _members(value, path, depth)
     elif hasattr(value, "DESCRIPTOR"):
@@ -99,10 +101,10 @@ def _places(value: Any, path: str, depth: int) -> Iterator[Place]:
         yield from _items(value, path, depth)
 
 
-def _bytes(value: bytes | bytearray | memoryview, path: str) -> Place:
-    head = bytes(value[:16])
+def _bytes(head: bytes, size: int, path: str) -> Place:
+    """A place with bytes, of which the first ones say whether they are a picture."""
     kind = next((kind for magic, kind in PICTURES.items() if head.startswith(magic)), "")
-    what = f"a {kind} of {len(value):,} bytes" if kind else f"{len(value):,} bytes"
+    what = f"a {kind} of {size:,} bytes" if kind else f"{size:,} bytes"
     return Place(path, what, is_array=True, is_picture=bool(kind))
 
 
@@ -118,7 +120,7 @@ def _items(value: Sequence[Any], path: str, depth: int) -> Iterator[Place]:
     size = len(value)
     kind = str(value.dtype) if isinstance(value, np.ndarray) else ""
     if kind in ("uint8", "int8") and size >= FEWEST_BYTES:
-        yield _bytes(np.asarray(value).view(np.uint8).tobytes(), path)
+        yield _bytes(np.asarray(value[:HEAD]).tobytes(), size, path)
     elif size == 0:
         yield Place(path, "an empty array in the first message", is_array=True)
     elif all(isinstance(item, bool | int | float | np.number | np.bool_) for item in value[: MAX_PLACES * MAX_ITEMS]):

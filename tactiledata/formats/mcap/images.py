@@ -228,8 +228,6 @@ def _compressed_fields(message: Any) -> tuple[bytes, str]:
 
 def _picture_at(steps: tuple[str | int, ...], message: Any) -> tuple[bytes, str]:
     value = value_at(message, steps)
-    if isinstance(value, int | float | np.number):  # of which bytes() would make that many zeros
-        raise TypeError(f"{path_of(steps)!r} is a number, and no picture")
     # base64 may come in lines
     return _bytes_of("".join(value.split()) if isinstance(value, str) else value), path_of(steps)
 
@@ -245,6 +243,8 @@ def _bytes_of(value: Any) -> bytes:
         return base64.b64decode(value[start.end() if start else 0 :], validate=True)
     if isinstance(value, Mapping):
         raise TypeError("pixels that are a dictionary")
+    if isinstance(value, int | float | np.number):  # of which bytes() would make that many zeros
+        raise TypeError("what should hold a picture is a number, and no picture")
     return bytes(value)
 
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from tactiledata.formats.mcap.contents import Place
+from tactiledata.formats.mcap.roles import ROTATION_VECTOR_UNITS
 from tactiledata.units import SIGNAL_COLUMNS, signal_units
 
 WORDS = {
@@ -35,7 +36,7 @@ CALLED = {
 """How drivers call the numbers of a signal, column by column: the last name of a path, or the last two. The first of a
 column's names that occurs is taken."""
 ROTATION_VECTOR = (*CALLED["tcp"][:3], *_names(("r", "rv", "rotvec", "rotationvector", "rot", "rotation"), "xyz"))
-"""The same of a tcp whose rotation is a vector, as UR controllers give it."""
+"""How drivers call the six numbers of a pose whose rotation is a vector, as UR controllers give it: see ``CALLED``."""
 UNITS = {
     **{"m": "m", "mm": "mm", "rad": "rad", "deg": "deg", "n": "N", "mn": "mN", "kn": "kN"},
     **{"nm": "N m", "nmm": "N mm", "newton": "N", "newtons": "N"},
@@ -50,7 +51,7 @@ class FieldGuess:
     """Fields that could be a signal, and why; ``is_named`` where the fields' own names say so.
 
     With ``is_rotation_vector`` they are six of a tcp, the last three a rotation vector. ``units`` are those that names
-    or sizes speak for; empty where nothing does.
+    or sizes speak for, else the signal's own.
     """
 
     signal: str
@@ -79,11 +80,10 @@ def proposal_for(topic: str, places: Sequence[Place]) -> FieldGuess | None:
 
 
 def _with_units(guess: FieldGuess, numbers: Sequence[Place]) -> FieldGuess:
-    """The guess with units, where names of its fields or the size of its positions speak for some."""
+    """The guess with units: those that names of its fields or the size of its positions speak for, else the usual."""
+    usual = ROTATION_VECTOR_UNITS if guess.is_rotation_vector else signal_units(SIGNAL_COLUMNS[guess.signal])
     if guess.signal == "joints":
-        return guess
-    vector = ("m", "m", "m", "rad", "rad", "rad")
-    usual = vector if guess.is_rotation_vector else signal_units(SIGNAL_COLUMNS[guess.signal])
+        return replace(guess, units=usual)
     named = [UNITS.get(_unit_behind(path), "") for path in guess.fields]
     if any(named):
         return replace(guess, units=tuple(own or unit for own, unit in zip(named, usual, strict=True)))
@@ -91,7 +91,7 @@ def _with_units(guess: FieldGuess, numbers: Sequence[Place]) -> FieldGuess:
     if guess.signal == "tcp" and sizes and max(sizes) > FARTHEST_M:
         reason = f"{guess.reason}; positions beyond {FARTHEST_M:g} are taken for millimetres"
         return replace(guess, units=("mm", "mm", "mm", *usual[3:]), reason=reason)
-    return guess
+    return replace(guess, units=usual)
 
 
 def _examples(place: Place, fields: Sequence[str]) -> list[float]:

@@ -16,7 +16,6 @@ from tactiledata.formats.mcap.likely_fields import FieldGuess, measured, proposa
 from tactiledata.formats.mcap.roles import (
     COLUMNS_OF,
     IMAGE_KINDS,
-    ROTATION_VECTOR_UNITS,
     TF_KIND,
     Topic,
     is_fixed_tree,
@@ -208,11 +207,7 @@ def _numbers(
 
 
 def _units(proposal: FieldGuess | None, fields: Sequence[str]) -> list[str]:
-    if proposal is None:
-        return list(signal_units(tuple(fields)))
-    if proposal.units:
-        return list(proposal.units)
-    return list(ROTATION_VECTOR_UNITS if proposal.is_rotation_vector else signal_units(COLUMNS_OF[proposal.signal]))
+    return list(signal_units(tuple(fields)) if proposal is None else proposal.units)
 
 
 def _all_fields(places: Sequence[Place]) -> tuple[str, ...]:
