@@ -14,8 +14,9 @@ from page_server import LONGEST, PLAIN, PageServer
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-LONG = {"diagnose.md"}
-"""Pages whose blocks take longest: they run every night. The tutorial's notebook diagnoses the same world by day."""
+LONG = {"diagnose.md", "models.md", "transfer.md"}
+"""Pages whose blocks take longest: they run every night. By day the notebook diagnoses, and tests of both commands train
+recipes and transfer pictures."""
 RUNNABLE = {"python", "bash", "sh", "console"}
 BLOCK = re.compile(
     r"(?P<comment><!-- not run: (?P<reason>[^>]+) -->\n)?```(?P<language>[a-z]*) ?(?P<file>[^\n]*)\n(?P<code>.*?)^```",

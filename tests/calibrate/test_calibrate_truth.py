@@ -146,7 +146,7 @@ def test_only_the_vector_loss_sees_directions(world):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("loss", ["vector", "norm"])
+@pytest.mark.parametrize("loss", ["vector", pytest.param("norm", marks=pytest.mark.nightly)])
 def test_a_fit_is_the_same_every_time(world, loss):
     """A fit gives the same answer every time, and what is held out is not fitted, yet foretold nearly as well."""
     experiment = world.experiment(world.measured())

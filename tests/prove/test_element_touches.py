@@ -256,13 +256,10 @@ def test_an_unknown_shape_is_refused():
     assert set(BODIES) == set(SIZES)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("shape", "sizes", "depth", "bound"),
-    [
-        pytest.param("sphere", {"radius": 3e-3}, 0.6, 0.014, marks=pytest.mark.nightly),
-        ("cylinder_flat", {"radius": 2e-3}, 0.4, 0.028),
-    ],
+    [("sphere", {"radius": 3e-3}, 0.6, 0.014), ("cylinder_flat", {"radius": 2e-3}, 0.4, 0.028)],
 )
 def test_forces_are_converged(shape, sizes, depth, bound):
     """Forces of a ball change by at most 1.4 %, those of a punch by at most 2.8 %, on a grid 1.25 times as fine.

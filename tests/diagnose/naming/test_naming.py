@@ -182,8 +182,8 @@ PLAIN = ("relaxation", "rate_friction", "frame_rotation", "lag")
 """Planted effects that 24 trajectories suffice to name."""
 
 
-NIGHTLY = ("thickness", "relaxation")
-"""Planted effects of the night: one takes thirty trajectories and longest, the other is named by another test, too."""
+NIGHTLY = ("thickness", "relaxation", "gain_crosstalk")
+"""Planted effects of the night: they take longest, and relaxation is named by another test, too."""
 
 
 @pytest.mark.parametrize(

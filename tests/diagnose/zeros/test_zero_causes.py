@@ -120,7 +120,7 @@ def test_a_tare_in_free_air_parts_its_readings_and_is_no_touch():
     assert 90 <= len(after) <= 100
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_recorded_tools_are_weighed(tmp_path):
     """The rig's own tool, heavier by 60 g than its log says, and one as stated."""
     turned = {"count": 16, "depth": [0.0004, 0.0006], "tilt": [0.0, 0.2]}
