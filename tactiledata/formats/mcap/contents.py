@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -41,6 +42,8 @@ class Place:
     fields : tuple of str
         Paths of its numbers; empty where it holds none that a mapping can read.
     example : str
+    values : tuple of float
+        Its first numbers, in the order of ``fields``; those of ``example``.
     is_array : bool
     is_picture : bool
         Whether it begins as a JPEG or PNG does, as bytes or as base64 text.
@@ -50,6 +53,7 @@ class Place:
     what: str
     fields: tuple[str, ...] = ()
     example: str = ""
+    values: tuple[float, ...] = ()
     is_array: bool = False
     is_picture: bool = False
 
@@ -80,7 +84,7 @@ def _places(value: Any, path: str, depth: int) -> Iterator[Place]:
     if depth == 0:
         yield Place(path, "more, too deep to be listed")
     elif isinstance(value, bool | int | float | np.number | np.bool_):
-        yield Place(path, "number", (path,) if path else (), f"{value:.6g}")
+        yield Place(path, "number", (path,) if path else (), f"{_float(value):.6g}", (_float(value),))
     elif isinstance(value, str):
         match = PICTURE_TEXTS.match(value)
         if match is None:
@@ -99,6 +103,14 @@ def _places(value: Any, path: str, depth: int) -> Iterator[Place]:
         yield from _members(members, path, depth)
     elif hasattr(value, "__len__") and hasattr(value, "__getitem__"):
         yield from _items(value, path, depth)
+
+
+def _float(value: Any) -> float:
+    """A number as a float; an integer that is beyond all floats, as JSON may hold, is infinite."""
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf if value > 0 else -math.inf
 
 
 def _bytes(head: bytes, size: int, path: str) -> Place:
@@ -124,9 +136,11 @@ def _items(value: Sequence[Any], path: str, depth: int) -> Iterator[Place]:
     elif size == 0:
         yield Place(path, "an empty array in the first message", is_array=True)
     elif all(isinstance(item, bool | int | float | np.number | np.bool_) for item in value[: MAX_PLACES * MAX_ITEMS]):
-        shown = ", ".join(f"{item:.6g}" for item in value[:MAX_EXAMPLE]) + (", …" if size > MAX_EXAMPLE else "")
+        values = tuple(_float(item) for item in value[:MAX_EXAMPLE])
+        shown = ", ".join(f"{item:.6g}" for item in values) + (", …" if size > MAX_EXAMPLE else "")
         what = f"{size:,} numbers" + (f" ({kind})" if kind else "")
-        yield Place(path, what, tuple(f"{path}[{index}]" for index in range(size)), f"[{shown}]", True)
+        fields = tuple(f"{path}[{index}]" for index in range(size))
+        yield Place(path, what, fields, f"[{shown}]", values, is_array=True)
     else:
         for index in range(min(size, MAX_ITEMS)):
             yield from _places(value[index], f"{path}[{index}]", depth - 1)

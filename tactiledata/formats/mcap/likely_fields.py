@@ -87,17 +87,12 @@ def _with_units(guess: FieldGuess, numbers: Sequence[Place]) -> FieldGuess:
     named = [UNITS.get(_unit_behind(path), "") for path in guess.fields]
     if any(named):
         return replace(guess, units=tuple(own or unit for own, unit in zip(named, usual, strict=True)))
-    sizes = [abs(size) for place in numbers for size in _examples(place, guess.fields[:3])]
-    if guess.signal == "tcp" and sizes and max(sizes) > FARTHEST_M:
+    first = {path: value for place in numbers for path, value in zip(place.fields, place.values, strict=False)}
+    farthest = max(abs(first.get(path, 0.0)) for path in guess.fields[:3])
+    if guess.signal == "tcp" and farthest > FARTHEST_M:
         reason = f"{guess.reason}; positions beyond {FARTHEST_M:g} are taken for millimetres"
         return replace(guess, units=("mm", "mm", "mm", *usual[3:]), reason=reason)
     return replace(guess, units=usual)
-
-
-def _examples(place: Place, fields: Sequence[str]) -> list[float]:
-    """The numbers of the first message in some fields of a place."""
-    shown = place.example.strip("[]").removesuffix(", …").split(", ")
-    return [float(text) for path, text in zip(place.fields, shown, strict=False) if path in fields]
 
 
 def _unit_behind(path: str) -> str:

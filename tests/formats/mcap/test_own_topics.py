@@ -162,7 +162,7 @@ def test_two_that_could_be_the_wrench_get_two_names(tmp_path):
 
 
 def test_odd_topics_are_listed_and_cannot_break_the_draft(tmp_path):
-    """Line breaks in names, unreadable encodings, empty topics, lists, pictures and trees all have their lines."""
+    """Line breaks in names, unreadable encodings, empty topics, lists, pictures, trees, huge numbers have their lines."""
     with Tape(tmp_path / "run.mcap") as tape:
         tape.raw("/a\nsignals:\u2028x", START, b'{"v": 1}', "A", "jsonschema", "json", b"{}")
         tape.raw("/list", START, b"[1, 2, 3]", "L", "jsonschema", "json", b"{}")
@@ -174,12 +174,14 @@ def test_odd_topics_are_listed_and_cannot_break_the_draft(tmp_path):
         for topic in ("/digit/D20542/image", "/webcam"):
             tape.image(START, START, picture(1), topic=topic)
         tape.raw("/many", START, json.dumps({"v": list(range(5000))}).encode(), "M", "jsonschema", "json", b"{}")
+        tape.raw("/huge", START, json.dumps({"v": -(10**400)}).encode(), "H", "jsonschema", "json", b"{}")
     text = draft(tmp_path / "run.mcap")
-    for name in ("/a", "/list", "/bare", "/odd", "/broken", "/silent", "/tf", "/webcam", "/many"):
+    for name in ("/a", "/list", "/bare", "/odd", "/broken", "/silent", "/tf", "/webcam", "/many", "/huge"):
         assert f"# # {name}" in text
     assert "world -> thing" in text
     assert "first 16 of 5,000 numbers" in text
-    mapping = parse_document(uncommented(text, lambda topic: topic != "/tf"), "the draft")
+    mapping = parse_document(uncommented(text, lambda topic: topic not in ("/tf", "/huge")), "the draft")
+    assert "v: number, for example -inf" in text
     topics = [entry["topic"] for entry in mapping["signals"].values()]
     assert topics == ["/list", "/many"]
     [(recording, sink)] = read(FORMAT, tmp_path / "run.mcap", mapping)
