@@ -15,8 +15,8 @@ from page_server import LONGEST, PLAIN, PageServer
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 LONG = {"diagnose.md", "models.md", "transfer.md"}
-"""Pages whose blocks take longest: they run every night. By day the notebook diagnoses, and tests of both commands train
-recipes and transfer pictures."""
+"""Pages whose blocks take longest: they run every night. By day the notebook diagnoses, and tests of the commands train
+and transfer."""
 RUNNABLE = {"python", "bash", "sh", "console"}
 BLOCK = re.compile(
     r"(?P<comment><!-- not run: (?P<reason>[^>]+) -->\n)?```(?P<language>[a-z]*) ?(?P<file>[^\n]*)\n(?P<code>.*?)^```",

@@ -162,7 +162,7 @@ def test_two_that_could_be_the_wrench_get_two_names(tmp_path):
 
 
 def test_odd_topics_are_listed_and_cannot_break_the_draft(tmp_path):
-    """Line breaks in names, unreadable encodings, empty topics, lists, pictures, trees, huge numbers have their lines."""
+    """Odd names, unreadable encodings, empty topics, lists, pictures, trees and huge numbers have their lines."""
     with Tape(tmp_path / "run.mcap") as tape:
         tape.raw("/a\nsignals:\u2028x", START, b'{"v": 1}', "A", "jsonschema", "json", b"{}")
         tape.raw("/list", START, b"[1, 2, 3]", "L", "jsonschema", "json", b"{}")
