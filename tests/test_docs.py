@@ -15,8 +15,8 @@ from page_server import LONGEST, PLAIN, PageServer
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 LONG = {"diagnose.md", "diagnose-table.md", "first-hour.md", "models.md", "transfer.md"}
-"""Pages whose blocks take longest: they run every night. By day the README and the notebook do what most of them do, and
-tests of the commands train, transfer and diagnose tables."""
+"""Pages whose blocks take longest: they run every night. By day the README and the notebook do what most of them do,
+and tests of the commands train, transfer and diagnose tables."""
 RUNNABLE = {"python", "bash", "sh", "console"}
 BLOCK = re.compile(
     r"(?P<comment><!-- not run: (?P<reason>[^>]+) -->\n)?```(?P<language>[a-z]*) ?(?P<file>[^\n]*)\n(?P<code>.*?)^```",
