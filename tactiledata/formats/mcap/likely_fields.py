@@ -88,8 +88,8 @@ def _with_units(guess: FieldGuess, numbers: Sequence[Place]) -> FieldGuess:
     if any(named):
         return replace(guess, units=tuple(own or unit for own, unit in zip(named, usual, strict=True)))
     first = {path: value for place in numbers for path, value in zip(place.fields, place.values, strict=False)}
-    farthest = max(abs(first.get(path, 0.0)) for path in guess.fields[:3])
-    if guess.signal == "tcp" and farthest > FARTHEST_M:
+    is_far = any(abs(first.get(path, 0.0)) > FARTHEST_M for path in guess.fields[:3])
+    if guess.signal == "tcp" and is_far:
         reason = f"{guess.reason}; positions beyond {FARTHEST_M:g} are taken for millimetres"
         return replace(guess, units=("mm", "mm", "mm", *usual[3:]), reason=reason)
     return replace(guess, units=usual)
