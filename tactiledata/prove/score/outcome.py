@@ -12,10 +12,21 @@ CLAIMS = ("explained", "partly explained")
 QUIET = ("nothing found", "below detection")
 """Verdicts that say that nothing can be told from errors of the simulation."""
 DRIFT = "sensor_drift"
-"""A cause of zeros that every world has: 0.02 N a minute."""
+"""A cause of zeros that every world has, 0.02 N a minute: told of nulls as well, it counts for nothing."""
 NAMED, IN_SET, ONE_OF_TWO = "named", "in the set", "one of two"
 WRONG, MISSED, UNNAMED = "wrong", "missed", "unnamed"
 NOTHING, STRUCTURE, FALSE_ALARM = "nothing found", "structure only", "false alarm"
+
+
+def told_by_readings(answer: Mapping[str, Any]) -> set[str]:
+    """Return what readings alone show by an answer, without the drift that every world has.
+
+    Parameters
+    ----------
+    answer : dict
+        With ``zeros``, the names that its readings show.
+    """
+    return set(answer["zeros"]) - {DRIFT}
 
 
 def outcome(case: Mapping[str, Any]) -> str:
@@ -23,7 +34,7 @@ def outcome(case: Mapping[str, Any]) -> str:
 
     ``named``, ``in the set``, ``one of two``, ``undetectable`` (in all its range, said so and true), ``too weak``
     (weaker than what the answer says it needs), ``missed``, ``unnamed`` (something is said to be missing, without a
-    name) or ``wrong``. What readings alone show is named, too.
+    name) or ``wrong``. What readings alone show is named, too, but for a drift of the zero, which they show of nulls.
 
     Parameters
     ----------
@@ -32,14 +43,14 @@ def outcome(case: Mapping[str, Any]) -> str:
     """
     truth = set(case["truth"])
     claimed = case["verdict"] in CLAIMS
-    of_zeros = set(case["zeros"])
+    of_zeros = told_by_readings(case)
     if truth and truth <= set(case["names"]) | of_zeros:
         return NAMED
     if truth and truth <= set(case["set"]) | of_zeros:
         return IN_SET
     if truth & (set(case["set"]) | of_zeros):
         return ONE_OF_TWO
-    if claimed or of_zeros - {DRIFT}:
+    if claimed or of_zeros:
         return WRONG
     if case["verdict"] not in QUIET:
         return UNNAMED
@@ -56,6 +67,6 @@ def outcome_of_null(case: Mapping[str, Any]) -> str:
     case : dict
         See `outcome`.
     """
-    if case["verdict"] in CLAIMS or set(case["zeros"]) - {DRIFT}:
+    if case["verdict"] in CLAIMS or told_by_readings(case):
         return FALSE_ALARM
     return NOTHING if case["verdict"] in QUIET else STRUCTURE

@@ -12,7 +12,6 @@ import numpy as np
 from tactiledata.prove.cases.kinds import AMBIGUOUS, DRAWN, LEAST_SIGNAL, NULLS, OUTSIDE, PAIRS
 from tactiledata.prove.score.outcome import (
     CLAIMS,
-    DRIFT,
     FALSE_ALARM,
     IN_SET,
     NAMED,
@@ -21,6 +20,7 @@ from tactiledata.prove.score.outcome import (
     WRONG,
     outcome,
     outcome_of_null,
+    told_by_readings,
 )
 from tactiledata.prove.score.wilson import Z
 
@@ -78,13 +78,13 @@ class ScoredCase:
     @property
     def said(self) -> tuple[str, ...]:
         """All names that the answer gives: claimed, tied with a claim, and shown by readings alone."""
-        zeros = [name for name in self.answer["zeros"] if name != DRIFT or DRIFT in self.truth]
+        zeros = [name for name in self.answer["zeros"] if name in told_by_readings(self.answer)]
         return tuple(dict.fromkeys([*self.answer["set"], *zeros]))
 
     @property
     def is_claim(self) -> bool:
         """Whether the answer names anything beside the drift that every world has."""
-        return self.answer["verdict"] in CLAIMS or bool(set(self.answer["zeros"]) - {DRIFT})
+        return self.answer["verdict"] in CLAIMS or bool(told_by_readings(self.answer))
 
     @cached_property
     def outcome(self) -> str:
@@ -136,7 +136,7 @@ class ScoredCase:
         if not label or unknown >= shares[label]:
             # weaker than what can be seen counts as nothing, and what readings show needs no fit
             weak = self.kind == DRAWN and self.signal < LEAST_SIGNAL
-            return float(unknown), weak or self.truth <= set(self.answer["zeros"])
+            return float(unknown), weak or self.truth <= told_by_readings(self.answer)
         return float(shares[label]), frozenset(label.split(" + ")) == self.truth
 
     @property
