@@ -84,7 +84,8 @@ def _places(value: Any, path: str, depth: int) -> Iterator[Place]:
     if depth == 0:
         yield Place(path, "more, too deep to be listed")
     elif isinstance(value, bool | int | float | np.number | np.bool_):
-        yield Place(path, "number", (path,) if path else (), f"{_float(value):.6g}", (_float(value),))
+        number = _float(value)
+        yield Place(path, "number", (path,) if path else (), f"{number:.6g}", (number,))
     elif isinstance(value, str):
         match = PICTURE_TEXTS.match(value)
         if match is None:

@@ -18,7 +18,7 @@ WRONG, MISSED, UNNAMED = "wrong", "missed", "unnamed"
 NOTHING, STRUCTURE, FALSE_ALARM = "nothing found", "structure only", "false alarm"
 
 
-def told_by_readings(answer: Mapping[str, Any]) -> set[str]:
+def told_by_readings(answer: Mapping[str, Any]) -> tuple[str, ...]:
     """Return what readings alone show by an answer, without the drift that every world has.
 
     Parameters
@@ -26,7 +26,7 @@ def told_by_readings(answer: Mapping[str, Any]) -> set[str]:
     answer : dict
         With ``zeros``, the names that its readings show.
     """
-    return set(answer["zeros"]) - {DRIFT}
+    return tuple(name for name in answer["zeros"] if name != DRIFT)
 
 
 def outcome(case: Mapping[str, Any]) -> str:
@@ -43,7 +43,7 @@ def outcome(case: Mapping[str, Any]) -> str:
     """
     truth = set(case["truth"])
     claimed = case["verdict"] in CLAIMS
-    of_zeros = told_by_readings(case)
+    of_zeros = set(told_by_readings(case))
     if truth and truth <= set(case["names"]) | of_zeros:
         return NAMED
     if truth and truth <= set(case["set"]) | of_zeros:

@@ -78,8 +78,7 @@ class ScoredCase:
     @property
     def said(self) -> tuple[str, ...]:
         """All names that the answer gives: claimed, tied with a claim, and shown by readings alone."""
-        zeros = [name for name in self.answer["zeros"] if name in told_by_readings(self.answer)]
-        return tuple(dict.fromkeys([*self.answer["set"], *zeros]))
+        return tuple(dict.fromkeys([*self.answer["set"], *told_by_readings(self.answer)]))
 
     @property
     def is_claim(self) -> bool:
@@ -136,7 +135,7 @@ class ScoredCase:
         if not label or unknown >= shares[label]:
             # weaker than what can be seen counts as nothing, and what readings show needs no fit
             weak = self.kind == DRAWN and self.signal < LEAST_SIGNAL
-            return float(unknown), weak or self.truth <= told_by_readings(self.answer)
+            return float(unknown), weak or self.truth <= set(told_by_readings(self.answer))
         return float(shares[label]), frozenset(label.split(" + ")) == self.truth
 
     @property
