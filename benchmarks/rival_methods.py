@@ -1,4 +1,4 @@
-"""Three ways in which others would name missing physics from the same residuals, and our own; each says names, or none.
+"""Ways in which others would name missing physics from the same residuals, and our own; each says names, or none.
 
 All of them know the catalogue, the gel's plays and the noise of the frames, and all fit E, nu, mu and an offset of each
 trajectory first. What they do not have is our rules: no errors of the simulation itself, no held-out trajectories, no
@@ -8,8 +8,9 @@ plausible ranges, no sets.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,7 +41,14 @@ DECISIVE = 10.0
 MOST_REFITS, MOST_STEPS = 4, 2
 MODELS, INCLUDED = 20, 0.8
 """Of an ensemble, and the share of it that must hold a term."""
-GP_FRAMES, ALIKE, EXPLAINS = 400, 0.9, 0.1
+LEARNED_FRAMES, ALIKE, EXPLAINS = 400, 0.9, 0.1
+
+
+class Predictor(Protocol):
+    """What foretells a residual (n,) from what frames tell (n, k)."""
+
+    def predict(self, told: Array) -> Array:
+        """The residual of each frame."""
 
 
 class Case:
@@ -160,32 +168,57 @@ def sparse_regression(case: Case) -> tuple[str, ...]:
 def gaussian_process(case: Case) -> tuple[str, ...]:
     """A discrepancy that is smooth in what the frames tell (Kennedy and O'Hagan), named by what it is most like.
 
-    It says that something is missing where it foretells a tenth of the residual on trajectories held out, and names the
-    effect whose signatures imitate it with a cosine above 0.9 beyond a refit.
+    Its lengths and sizes are those of the whole residual, also where a fold is held out.
     """
     from sklearn.exceptions import ConvergenceWarning
     from sklearn.gaussian_process import GaussianProcessRegressor
     from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
 
+    def learn(told: Array, target: Array, before: Predictor | None) -> Predictor:
+        if isinstance(before, GaussianProcessRegressor):
+            return GaussianProcessRegressor(before.kernel_, optimizer=None).fit(told, target)
+        kernel = ConstantKernel() * RBF(np.ones(told.shape[1]), (0.1, 1e3)) + WhiteKernel()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ConvergenceWarning)  # a covariate that does not matter has no length
+            return GaussianProcessRegressor(kernel, random_state=0).fit(told, target)
+
+    return _named_by_discrepancy(case, learn, LEARNED_FRAMES)
+
+
+def boosted_trees(case: Case) -> tuple[str, ...]:
+    """A discrepancy that boosted trees learn from what the frames tell, named by what it is most like."""
+    from sklearn.ensemble import HistGradientBoostingRegressor
+
+    def learn(told: Array, target: Array, _: Predictor | None) -> Predictor:
+        return HistGradientBoostingRegressor(random_state=0).fit(told, target)
+
+    return _named_by_discrepancy(case, learn)
+
+
+def _named_by_discrepancy(
+    case: Case, learn: Callable[[Array, Array, Predictor | None], Predictor], most_frames: int | None = None
+) -> tuple[str, ...]:
+    """The effect whose signatures imitate a learned discrepancy with a cosine above 0.9 beyond a refit, if any.
+
+    Something is said to be missing where the discrepancy foretells a tenth of the residual on trajectories held out.
+    ``learn`` gets what frames tell, the residual and, where a fold is held out, what was learned from all.
+    """
     white, fit = case.white, case.base
     told = _told(white)
     known = white.weights > 0
     residual = white.in_newtons(white.with_own(fit.residual))
     chance = np.random.default_rng(0)
-    learned = chance.permutation(np.flatnonzero(known))[:GP_FRAMES]
+    learned = chance.permutation(np.flatnonzero(known))[:most_frames]
     groups = folds_of(len(white.starts), 0)[white.trajectory]
     discrepancy, left, whole = np.zeros_like(residual), 0.0, 0.0
     for axis in range(3):
         size = float(residual[known, axis].std()) or 1.0
         target = residual[:, axis] / size
-        kernel = ConstantKernel() * RBF(np.ones(told.shape[1]), (0.1, 1e3)) + WhiteKernel()
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", ConvergenceWarning)  # a covariate that does not matter has no length
-            model = GaussianProcessRegressor(kernel, random_state=0).fit(told[learned], target[learned])
+        model = learn(told[learned], target[learned], None)
         discrepancy[:, axis] = size * model.predict(told)
         for fold in range(FOLDS):
             inside, outside = learned[groups[learned] != fold], known & (groups == fold)
-            held = GaussianProcessRegressor(model.kernel_, optimizer=None).fit(told[inside], target[inside])
+            held = learn(told[inside], target[inside], model)
             left += float(((target[outside] - held.predict(told[outside])) ** 2).sum())
             whole += float((target[outside] ** 2).sum())
     if 1.0 - left / whole < EXPLAINS:

@@ -23,6 +23,15 @@ def test_names_are_right_by_the_rules_of_the_proof():
     assert not is_right("pairs", frozenset(["lag", "dome"]), ("lag",))
 
 
+def test_what_readings_show_counts_for_every_method():
+    """A dead-band that readings show is right where it is hidden, whatever is named first, and wrong of a null."""
+    assert is_right("visible", frozenset(["dead_band"]), (), ("dead_band",))
+    assert is_right("visible", frozenset(["dead_band"]), ("dome", "skin"), ("dead_band",))
+    assert is_right("pairs", frozenset(["lag", "dead_band"]), ("lag",), ("dead_band",))
+    assert not is_right("nulls", frozenset(), (), ("dead_band",))
+    assert not is_right("visible", frozenset(["lag"]), (), ("dead_band",))
+
+
 @pytest.mark.slow
 def test_differences_are_those_of_the_same_cases():
     """Two methods that err in the same cases do not differ at all; the interval covers a planted difference."""
@@ -38,14 +47,14 @@ def test_differences_are_those_of_the_same_cases():
 
 @pytest.mark.slow
 def test_the_table_has_our_answers_to_the_same_cases(tmp_path, capsys):
-    """Six nulls and six effects, one of which ours missed: always nothing is right of the nulls alone."""
+    """Six nulls and six effects, one of which ours missed: a method that says nothing is right of the nulls alone."""
     cases = scored_cases(answered_proof(tmp_path / "proof"))
-    kept = [{"case": case.name, "method": "always nothing", "said": []} for case in cases]
+    kept = [{"case": case.name, "method": "nothing (recalibration)", "said": []} for case in cases]
     found = judged(cases, kept)
-    assert sum(right for _, right, _ in found["always nothing"]) == 6
-    assert sum(ours for _, _, ours in found["always nothing"]) == 11
+    assert sum(right for _, right, _ in found["nothing (recalibration)"]) == 6
+    assert sum(ours for _, _, ours in found["nothing (recalibration)"]) == 11
     show(found)
-    (row,) = [line for line in capsys.readouterr().out.splitlines() if "always nothing" in line]
+    (row,) = [line for line in capsys.readouterr().out.splitlines() if "nothing (recalibration)" in line]
     assert "6 (6) of 6" in row
     assert "0 (5) of 6" in row
     assert "+42" in row
@@ -68,4 +77,4 @@ def test_each_method_answers_and_the_ladder_finds_a_planted_effect():
     said = {name: method(case) for name, method in METHODS.items()}
     assert all(set(names) <= set(effects) for names in said.values())
     assert said["BIC ladder"][0] == "relaxation"
-    assert said["always nothing"] == ()
+    assert said["nothing (recalibration)"] == ()

@@ -96,8 +96,10 @@ def play_batches(
     outcomes = (runner or LocalScheduler()).outcomes(_play, longest_first, len(batches))
     plays: dict[int, list[Play]] = {}
     finished = 0
-    paths = [path for batch in longest_first for path in batch.paths]
-    efforts = [batch.effort / len(batch.paths) for batch in longest_first for _ in batch.paths]
+    # paths are digests, which take their time
+    by_batch = [batch.paths for batch in longest_first]
+    paths = [path for each in by_batch for path in each]
+    efforts = [batch.effort / len(each) for batch, each in zip(longest_first, by_batch, strict=True) for _ in each]
     with PlayProgress(paths, report_progress, efforts) as progress:
         for number, outcome in zip(order, outcomes, strict=True):
             plays[number] = outcome.value

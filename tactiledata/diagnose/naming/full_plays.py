@@ -118,12 +118,13 @@ def estimated(plays: Sequence[TouchPlays]) -> frozenset[GelVariant]:
 def promising(naming: NamingResult) -> set[str]:
     """Return the effects on which an answer could rest: those with evidence for a trace, the named ones, and ties.
 
+    What is enough for a trace grows with the errors of the simulation beside the effect, as what a claim needs does.
     An effect of a pair must add ``OF_A_PAIR`` of what the pair needs to be claimed (`decide.needed_of`): a trace of a
     second effect is not told, and estimates are not so far off that a claim could come of less.
     """
     thresholds = naming.thresholds
     trace = thresholds.for_traces
-    found = {effect for one in naming.scored if one.beyond(trace) >= 0 and len(one.names) == 1 for effect in one.names}
+    found = {one.names[0] for one in naming.scored if len(one.names) == 1 and one.evidence >= one.needed(trace)}
     alone = {one.names: one.evidence for one in naming.scored}
     for pair in naming.scored:
         for effect, other in itertools.permutations(pair.names, 2):

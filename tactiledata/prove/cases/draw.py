@@ -9,27 +9,20 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from tactiledata.arrays import Array
-from tactiledata.diagnose.naming.joint_fit import JointFit
-from tactiledata.diagnose.touches.touch_case import TouchSet
 from tactiledata.errors import UsageError
 from tactiledata.prove.cases.configuration import Configuration, played_plan
+from tactiledata.prove.cases.drawn_world import DrawnWorld
 from tactiledata.prove.cases.kinds import AMBIGUOUS, CONCEALED, DRAWN, NULLS, OUTSIDE, PAIRS, Sight
-from tactiledata.prove.cases.oracle import PaperCalibration, alike_effects, plain_whitened, refit
 from tactiledata.prove.cases.strengths import drawn_parameters
 from tactiledata.prove.cases.truth import OUTSIDE as OUTSIDE_EFFECTS
-from tactiledata.prove.cases.truth import TITLES, friction_left, modulus_left
+from tactiledata.prove.cases.truth import TITLES
 from tactiledata.prove.cases.world_case import WorldCase
 from tactiledata.prove.worlds.logs import LogReadings
 from tactiledata.prove.worlds.played_plan import PlayedPlan
-from tactiledata.prove.worlds.recorder import ReadWorld
-from tactiledata.rig.scenario.scenario import load_scenario
 
 TRIES = 16
 """Largest number of draws for one case."""
@@ -104,7 +97,7 @@ def drawn_case(request: CaseRequest) -> DrawnCase:
     played = played_plan(request.configuration.plan, request.bank, request.with_variants)
     chance = np.random.default_rng([request.seed, DRAWING, request.number])
     allowed = request.effects(played)
-    world = _World(played, request.configuration, int(FIRST_SEED + chance.integers(2**31)))
+    world = DrawnWorld(played, request.configuration, int(FIRST_SEED + chance.integers(2**31)))
     if request.kind == NULLS:
         return DrawnCase(world.case(NULLS, ()), world.readings(()), {})
     if len(allowed) < (2 if request.kind == PAIRS else 1):
@@ -156,90 +149,3 @@ def is_of_kind(kind: str, sight: Sight, alone: Sequence[Sight], names: Sequence[
     if kind == AMBIGUOUS:
         return bool(set(sight.alike) - set(names))
     return True
-
-
-@dataclass(frozen=True)
-class _World:
-    """A world of a configuration, before it is decided what it hides."""
-
-    played: PlayedPlan
-    configuration: Configuration
-    seed: int
-
-    def readings(self, hidden: Sequence[dict[str, Any]], is_exact: bool = False) -> list[LogReadings]:
-        """Return what the force sensor reads in each log."""
-        maker = self.configuration.maker(self.played.maker)
-        return maker.readings(self.seed, self.played.gel(self.seed), list(hidden), is_exact=is_exact)
-
-    @cached_property
-    def unhidden(self) -> ReadWorld:
-        """The world without what it hides, as a diagnosis would read it."""
-        return self.played.maker.observed(self.readings(()))
-
-    @cached_property
-    def clean(self) -> Array:
-        """Wrenches (N, 6), N and N m, of the world without what it hides, by a sensor without noise."""
-        exact = self.played.maker.observed(self.readings((), is_exact=True))
-        return np.concatenate(exact.wrenches)
-
-    @cached_property
-    def touch_set(self) -> TouchSet:
-        """Trajectories of the world without what it hides, whose noise is the unit of a signal."""
-        return self.played.maker.cases(self.unhidden, self.played.family)
-
-    @cached_property
-    def plain(self) -> JointFit:
-        """The plain simulation fitted to the world without what it hides."""
-        return refit(self.touch_set, self.clean)
-
-    @cached_property
-    def paper(self) -> PaperCalibration:
-        """The paper's calibration of the plan's touches."""
-        return PaperCalibration.of(self.touch_set)
-
-    def loss_ratio(self, readings: Sequence[LogReadings]) -> float:
-        """Return the paper's loss on readings after a calibration, over that of the world without what it hides."""
-        loss = self.paper.loss(self.played.maker.observed(readings).wrenches)
-        return round(loss / self.paper.loss(self.unhidden.wrenches), 4)
-
-    def sight(self, hidden: Sequence[dict[str, Any]], loss_ratio: float, with_alike: bool = False) -> Sight:
-        """Return how much can be seen of what is hidden.
-
-        Parameters
-        ----------
-        hidden : sequence of dict
-            Hidden effects as a scenario states them.
-        loss_ratio : float
-            See `loss_ratio`.
-        with_alike : bool
-            Whether effects are looked for that imitate it.
-        """
-        maker = self.played.maker
-        felt = np.concatenate(maker.observed(self.readings(hidden, is_exact=True)).wrenches)
-        change = felt - self.clean
-        signal = float(np.sqrt(max(refit(self.touch_set, felt).cost - self.plain.cost, 0.0)))
-        whole = float((plain_whitened(self.touch_set, change) ** 2).sum())
-        alike = alike_effects(self.plain, self.touch_set, change, self.played.effects) if with_alike else {}
-        found = self.plain.model.material
-        return Sight(
-            signal=round(signal, 3),
-            absorbed=round(1.0 - min(1.0, signal**2 / whole), 4) if whole > 0 else 0.0,
-            loss_ratio=loss_ratio,
-            alike=alike,
-            unhidden=(found.youngs_modulus, found.poisson_ratio, found.friction),
-        )
-
-    def case(self, kind: str, hidden: Sequence[dict[str, Any]], sight: Sight | None = None) -> WorldCase:
-        """Return the case of this world."""
-        gel = self.played.gel(self.seed)
-        effects = load_scenario(self.played.plan.scenario(self.seed, gel, list(hidden))).hidden
-        return WorldCase(
-            kind=kind,
-            configuration=self.configuration,
-            seed=self.seed,
-            hidden=tuple(hidden),
-            material=(gel.youngs_modulus, gel.poisson_ratio, gel.friction),
-            modulus_left=modulus_left(effects),
-            friction_left=friction_left(effects, gel.friction),
-            sight=None if sight is None else sight.document,
-        )

@@ -82,6 +82,14 @@ def test_less_than_a_trace_and_effects_without_other_gels_cost_no_play():
 
 
 @pytest.mark.parametrize("more", [0.9, 1.1])
+def test_beside_large_errors_of_the_simulation_a_trace_needs_more(more):
+    """Errors of three times the usual size raise by their square what a thickness needs to be worth full plays."""
+    one = replace(of_thickness(9.0 * more), error_size=3.0)
+    asked, *_ = run([naming([one])])
+    assert asked == ([frozenset(), THICKNESS] if more > 1 else [frozenset()])
+
+
+@pytest.mark.parametrize("more", [0.9, 1.1])
 @pytest.mark.parametrize(("times", "size"), [(1.0, 1.0), (1.0, 1.5), (1000.0, 1.0)])
 def test_in_a_pair_counts_what_an_effect_adds_to_the_other(times, size, more):
     """Beside a lag, a thickness is worth full plays where it adds half of what a claim of the pair needs, no less.
