@@ -50,9 +50,9 @@ def preview(monkeypatch):
 
 
 def test_a_preview_is_of_the_touches_from_which_the_others_are_learned(preview):
-    """A preview of 60 touches plays the ten examples and no others, and leaves to later what it can estimate."""
+    """A preview of 60 touches plays the eight examples and no others, and leaves to later what it can estimate."""
     told, ((only, estimates),) = preview(60)
-    assert told == ["10 of 60"]
+    assert told == ["8 of 60"]
     assert estimates == "rough"
     assert only == [f"u{place}" for place in example_touches([touch.touch for touch in drawn(60)])]
 

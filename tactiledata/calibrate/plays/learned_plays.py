@@ -27,8 +27,8 @@ from tactiledata.gel.contact.history import GelTouch
 
 FEWEST_EXAMPLES = 8
 """Touches that are played as examples, at least; where fewer are left over than this, all are played."""
-SHARE_OF_EXAMPLES = 1 / 6
-"""Share of the touches that are examples, at least."""
+SHARE_OF_EXAMPLES = 1 / 12
+"""Share of the touches that are examples, at least: more of them hardly help (docs/decisions/0049)."""
 TOO_FAR = 0.01
 """Error of a predicted force, as a share of the touch's largest one, from which on all touches are played.
 

@@ -147,10 +147,11 @@ class Touch:
         return np.divide(self.lateral_steps, self.time_steps, out=np.zeros(len(self)), where=self.time_steps > 0)
 
     def on(self, material: GelMaterial) -> Touch:
-        """Return the touch on a gel of another material; steps of the path are kept, and nothing is checked again."""
+        """Return the touch on a gel of another material; what follows from its path is kept, and nothing is checked."""
         touch = object.__new__(Touch)
-        steps = {"lateral_steps": self.lateral_steps, "time_steps": self.time_steps}
-        touch.__dict__.update(self.__dict__, **steps, material=material)
+        # made here once, and not anew on each gel
+        kept = ("lateral_steps", "time_steps", "_load_from_wrench", "_wrench_from_load")
+        touch.__dict__.update(self.__dict__, **{name: getattr(self, name) for name in kept}, material=material)
         return touch
 
     def to_sensor(self, wrench: Array) -> Array:
@@ -159,20 +160,38 @@ class Touch:
         The load on the sensor is the opposite of the wrench, plus the weight of the tool. Where the touch does not
         state the frame of the sensor, it counts as that of the gel.
         """
-        force, torque = -wrench[:, :3], -wrench[:, 3:]
-        if self.gel_from_sensor is not None:
-            turn, lever = self.gel_from_sensor[:, :3, :3], self.gel_from_sensor[:, :3, 3]
-            torque = np.einsum("nji,nj->ni", turn, torque - np.cross(lever, force))
-            force = np.einsum("nji,nj->ni", turn, force)
-        load = np.concatenate([force, torque], axis=1)
+        load = np.einsum("nij,nj->ni", self._load_from_wrench, wrench)
         return load if self.sensor_weight is None else load + self.sensor_weight
 
     def from_sensor(self, reading: Array) -> Array:
         """Wrench (n, 6) on the indenter, gel frame, for a reading (n, 6) of the sensor: the inverse of `to_sensor`."""
         load = reading if self.sensor_weight is None else reading - self.sensor_weight
-        force, torque = load[:, :3], load[:, 3:]
-        if self.gel_from_sensor is not None:
-            turn, lever = self.gel_from_sensor[:, :3, :3], self.gel_from_sensor[:, :3, 3]
-            force = np.einsum("nij,nj->ni", turn, force)
-            torque = np.einsum("nij,nj->ni", turn, torque) + np.cross(lever, force)
-        return -np.concatenate([force, torque], axis=1)
+        return np.einsum("nij,nj->ni", self._wrench_from_load, load)
+
+    @cached_property
+    def _load_from_wrench(self) -> Array:
+        """Matrix (n, 6, 6) that makes of a wrench on the indenter, gel frame, the load on the sensor in its frame."""
+        turn, lever = self._sensor_frame
+        matrix = np.zeros((len(self), 6, 6))
+        matrix[:, :3, :3] = matrix[:, 3:, 3:] = -np.swapaxes(turn, 1, 2)
+        matrix[:, 3:, :3] = np.swapaxes(turn, 1, 2) @ lever
+        return matrix
+
+    @cached_property
+    def _wrench_from_load(self) -> Array:
+        """Matrix (n, 6, 6) that makes of a load on the sensor, in its frame, the wrench on the indenter, gel frame."""
+        turn, lever = self._sensor_frame
+        matrix = np.zeros((len(self), 6, 6))
+        matrix[:, :3, :3] = matrix[:, 3:, 3:] = -turn
+        matrix[:, 3:, :3] = -lever @ turn
+        return matrix
+
+    @property
+    def _sensor_frame(self) -> tuple[Array, Array]:
+        """Axes (n, 3, 3) of the sensor in the gel frame, and the matrix (n, 3, 3), m, by which its lever turns a force."""
+        if self.gel_from_sensor is None:
+            return np.tile(np.eye(3), (len(self), 1, 1)), np.zeros((len(self), 3, 3))
+        x, y, z = self.gel_from_sensor[:, :3, 3].T
+        zero = np.zeros(len(self))
+        rows = [[zero, -z, y], [z, zero, -x], [-y, x, zero]]
+        return self.gel_from_sensor[:, :3, :3], np.moveaxis(np.array(rows), 2, 0)
