@@ -23,7 +23,6 @@ BENCHMARKS = (
     "calibration_worlds.py",
     "naming_worlds.py",
     "locating_worlds.py",
-    "naming_rivals.py",
     "diagnose_speed.py",
     "inference.py",
 )

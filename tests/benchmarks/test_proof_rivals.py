@@ -2,11 +2,15 @@
 
 import numpy as np
 import pytest
-from proof_rivals import METHODS, difference, is_right, judged, show
+from proof_rivals import METHODS, difference, exact_case, is_right, judged, show
 from rival_methods import Case
 from sealed_proofs import answered_proof
 from touch_worlds import PLANTS, START, world_cases
 
+from tactiledata.prove.cases.configuration import Configuration, played_plan
+from tactiledata.prove.cases.drawn_world import DrawnWorld
+from tactiledata.prove.cases.oracle import refit
+from tactiledata.prove.score.scored_case import ScoredCase
 from tactiledata.prove.seal.verify import scored_cases
 
 
@@ -67,6 +71,25 @@ def test_a_method_is_judged_by_its_own_names(tmp_path, said):
     case = next(one for one in scored_cases(answered_proof(tmp_path / "proof")) if one.truth)
     ((_, right, _),) = judged([case], [{"case": case.name, "method": "m", "said": said}])["m"]
     assert right == bool(said)
+
+
+@pytest.mark.nightly
+def test_an_exact_simulation_leaves_what_is_hidden_and_nothing_else(tmp_path):
+    """Readings without noise: less the generator's error, a fit leaves next to nothing of a null, and a hidden lag stays."""
+    configuration = Configuration("analytic", "coarse-0", 2.0, 7)
+    played = played_plan("coarse-0", tmp_path, False)
+    world = DrawnWorld(played, configuration, 100_001)
+    left = {}
+    for hidden in ([], [{"effect": "lag", "parameters": {"delay": 0.2, "period": 0.0}}]):
+        touches = played.maker.cases(played.maker.observed(world.readings(hidden, is_exact=True)), played.family)
+        case = ScoredCase("", world.case("drawn", hidden).document, {}, 0.0)
+        exact = exact_case(case, played, touches, ())
+        for what, found in (("as it is", touches), ("exact", exact.cases)):
+            wrenches = np.concatenate([one.measured for one in found.touches])
+            left[what, len(hidden)] = refit(world.touch_set, wrenches).cost
+    # what stays of a null is what its contact offsets cost
+    assert left["exact", 0] < 0.05 * left["as it is", 0]
+    assert left["exact", 1] > 20 * left["exact", 0]
 
 
 @pytest.mark.nightly
