@@ -75,7 +75,7 @@ def test_a_method_is_judged_by_its_own_names(tmp_path, said):
 
 @pytest.mark.nightly
 def test_an_exact_simulation_leaves_what_is_hidden_and_nothing_else(tmp_path):
-    """Readings without noise: less the generator's error, a fit leaves next to nothing of a null, and a hidden lag stays."""
+    """Readings without noise, less the generator's error: a fit leaves next to nothing of a null, and a lag stays."""
     configuration = Configuration("analytic", "coarse-0", 2.0, 7)
     played = played_plan("coarse-0", tmp_path, False)
     world = DrawnWorld(played, configuration, 100_001)
