@@ -188,7 +188,7 @@ class Touch:
 
     @property
     def _sensor_frame(self) -> tuple[Array, Array]:
-        """Axes (n, 3, 3) of the sensor in the gel frame, and matrices (n, 3, 3), m: torques of unit forces at its origin."""
+        """Axes (n, 3, 3) of the sensor in the gel frame, and matrices (n, 3, 3), m: torques of unit forces at it."""
         if self.gel_from_sensor is None:
             return np.tile(np.eye(3), (len(self), 1, 1)), np.zeros((len(self), 3, 3))
         x, y, z = self.gel_from_sensor[:, :3, 3].T
