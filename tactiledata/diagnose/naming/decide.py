@@ -131,12 +131,12 @@ def _decided(
     is_left = left.is_structure(thresholds)
     # candidates in the order of their evidence beyond what errors of the simulation can bring
     ranked = sorted(singles, key=lambda single: -single.beyond(thresholds))
-    # the first single without objections, unless one that is objected to has far more beyond
+    # the first single without objections, unless one that is objected to has far more beyond, and explains it as well
     best = next((single for single in ranked if not single.objections(thresholds)), None)
     if best is not None:
-        behind = ranked[0].beyond(thresholds) - best.beyond(thresholds)
-        margin = thresholds.tie_margin(ranked[0].evidence, (*ranked[0].names, *best.names))
-        best = None if behind > margin else special_case_of(best, ranked, metric, thresholds)
+        before = [one for one in ranked[: ranked.index(best)] if _is_far_ahead(one, best, thresholds)]
+        is_behind = any(not _stands_beside(best, one, pairs, thresholds) for one in before)
+        best = None if is_behind else special_case_of(best, ranked, metric, thresholds)
     # a pair replaces it where both of its effects are needed
     needed = [needed_of(pair, singles, thresholds) for pair in pairs if not pair.objections(thresholds)]
     best = max((*([best] if best is not None else []), *needed), key=_evidence, default=None)
@@ -230,6 +230,29 @@ def _is_confirmed(pair: ScoredCandidate, single: ScoredCandidate, needs: float, 
     added = np.sort(pair.evidence_per_trajectory - single.evidence_per_trajectory)[:-MOST_INFLUENTIAL]
     is_more = gains.sum() >= thresholds.gain_sigmas * error_of_sum(gains)
     return bool(gains.sum() > 0 and (is_more or added.sum() >= needs))
+
+
+def _is_far_ahead(one: ScoredCandidate, best: ScoredCandidate, thresholds: DecisionThresholds) -> bool:
+    """Return whether an effect has more evidence beyond its need than another, by more than the margin of a tie."""
+    margin = thresholds.tie_margin(one.evidence, (*one.names, *best.names))
+    return one.beyond(thresholds) - best.beyond(thresholds) > margin
+
+
+def _stands_beside(
+    best: ScoredCandidate, other: ScoredCandidate, pairs: Sequence[ScoredCandidate], thresholds: DecisionThresholds
+) -> bool:
+    """Return whether an effect is there whatever another one is that only looks like errors of the simulation.
+
+    Such errors can bring all the evidence of the other effect, and do not resemble the first one. Beside the other, in
+    a refit of both, the first one keeps ``remainder_share`` of its evidence, and the evidence that it needs.
+    """
+    if thresholds.is_resembled(best.names) or not thresholds.is_resembled(other.names):
+        return False
+    pair = next((pair for pair in pairs if set(pair.names) == {*best.names, *other.names}), None)
+    if pair is None or other.evidence >= other.needed(thresholds):
+        return False
+    needed = thresholds.with_errors(pair.error_size).needed(best.names)
+    return pair.evidence - other.evidence >= max(needed, thresholds.remainder_share * best.evidence)
 
 
 def _evidence(candidate: ScoredCandidate) -> float:
