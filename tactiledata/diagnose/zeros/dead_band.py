@@ -33,6 +33,8 @@ FEWEST_AXES = 2
 """Fewest components of one kind that must show a dead-band; one alone may be broken otherwise."""
 DIGITS = 9
 """Digits after the point to which numbers count as equal, in N or N m."""
+STRAYS = 0.1
+"""Share of the distances between numbers that occur often which may be smaller than the step of a sensor."""
 WIDTHS = 60
 """Widths that are tried, at even distances of their logarithm."""
 
@@ -116,10 +118,11 @@ def _band_of(column: Array) -> float | None:
     smallest = np.sort(np.concatenate(sides))
     if count < FEWEST_BESIDE or min(map(len, sides)) < FEWEST_BESIDE:
         return None
-    widths = np.geomspace(smallest[0], np.quantile(smallest, 0.9), WIDTHS)
-    step = _step_of(column)
+    step = _step_of(column[is_new])
+    # the narrowest gap ends below the smallest reading
+    widths = np.geomspace(max(smallest[0] - step, step), np.quantile(smallest, 0.9), WIDTHS)
     if step > 0:
-        # borders halfway between two numbers that occur
+        # borders halfway between two numbers of the sensor
         widths = step * (np.unique(np.maximum(np.floor(widths / step), 1)) + 0.5)
     within, beyond = np.array([_between(sides, low * widths, (low + 1) * widths) for low in (0, 1)])
     # readings for each unit of the component beyond the gap, and how much of that there is in the gap
@@ -134,9 +137,16 @@ def _band_of(column: Array) -> float | None:
 
 
 def _step_of(column: Array) -> float:
-    """Return the step between the numbers that occur in a component, in its unit; 0 where nearly all numbers differ."""
-    numbers = np.unique(np.round(column, DIGITS))
-    return float(np.diff(numbers).min()) if 2 * len(numbers) < len(column) else 0.0
+    """Return the step between the numbers that occur in a component (m,), in its unit; 0 where most numbers differ.
+
+    Numbers that occur once are strays: a sensor that saturates puts some between the steps.
+    """
+    numbers, counts = np.unique(np.round(column, DIGITS), return_counts=True)
+    often = numbers[counts > 1]
+    if len(often) < 2 or 2 * counts[counts > 1].sum() < len(column):
+        return 0.0
+    # a bound is a number that occurs often, and is no step
+    return float(np.quantile(np.diff(often), STRAYS, method="lower"))
 
 
 def _between(sides: tuple[Array, Array], low: Array, high: Array) -> Array:

@@ -114,6 +114,15 @@ def test_much_evidence_makes_a_gain_of_one_standard_error_certain():
     assert len(candidate(EASY, times, gains=scattered(times * NEEDED, 0.9)).objections(T)) == 1
 
 
+@pytest.mark.parametrize(("more", "objections"), [(0.9, 1), (1.1, 0)])
+def test_beside_large_errors_of_the_simulation_much_evidence_is_more(more, objections):
+    """Beside errors of three times the usual size a lag needs three times the evidence to make such a gain certain."""
+    size = 3.0
+    times = more * size * T.structure_evidence * TRAJECTORIES / (TRAJECTORIES - 2)
+    one = candidate(EASY, times, gains=scattered(times * NEEDED, 1.1), error_size=size)
+    assert len(one.objections(T)) == objections
+
+
 def test_held_out_indenters_settle_a_gain_whose_sign_is_open():
     """A loss of less than its error is no objection beside a certain gain on indenters and twice the evidence."""
     times = 1.05 * T.structure_evidence * TRAJECTORIES / (TRAJECTORIES - 2)

@@ -63,6 +63,23 @@ def test_a_band_of_the_forces_alone_is_told_so():
     assert found.axes == ("fx", "fy", "fz")
 
 
+@pytest.mark.parametrize("steps", [1.5, 2.5])
+def test_a_band_of_few_steps_is_found(steps):
+    """A band in which one number is missing on either side of 0, or two."""
+    found = find_dead_band([read_through(presses(seed), steps * 0.07, 0.07) for seed in range(3)])
+    assert found.band["force"] == pytest.approx(0.07 * np.ceil(steps), rel=1e-6)
+
+
+@pytest.mark.parametrize("noise", [0.03, 0.1])
+@pytest.mark.parametrize("is_sharp", [True, False])
+def test_a_sensor_that_saturates_has_no_band(noise, is_sharp):
+    """Steps of 0.01 N below its bound, and other numbers above: one, or one for each load."""
+    load = presses(noise=noise)
+    readings, bound = read_through(load, step=0.01), 2.0037 * SCALE
+    above = np.sign(load) * (bound if is_sharp else bound * (1.0 + 0.1 * np.tanh(np.abs(load / bound) - 1.0)))
+    assert find_dead_band([np.where(np.abs(readings) > bound, above, readings)]) is None
+
+
 @pytest.mark.parametrize("noise", [0.03, 0.1, 0.3])
 @pytest.mark.parametrize("step", [0.0, 0.01, 0.1, 0.3])
 def test_steps_alone_are_no_band(step, noise):
