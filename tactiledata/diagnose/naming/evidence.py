@@ -144,8 +144,9 @@ class ScoredCandidate:
         The gain on held-out trajectories is positive, and it has ``gain_sigmas`` standard errors, or the gain on
         held-out indenters has. Where much evidence remains without the two trajectories that contribute most,
         ``structure_evidence`` times what a claim needs beside the errors that the simulation then has, less is enough,
-        since an effect that is much stronger in some trajectories than in others gains as unequally. One standard error is then certain; so is a gain whose sign one
-        standard error leaves open, where that on held-out indenters has ``gain_sigmas`` standard errors.
+        since an effect that is much stronger in some trajectories than in others gains as unequally. One standard
+        error is then certain; so is a gain whose sign one standard error leaves open, where that on held-out indenters
+        has ``gain_sigmas`` standard errors.
         """
         is_much = self.evidence_without_best_two >= thresholds.structure_evidence * self.needed(thresholds)
         holds_on_indenters = self.indenter_gain >= thresholds.gain_sigmas * self.indenter_error
