@@ -142,13 +142,14 @@ class ScoredCandidate:
         """Whether there is a gain on held-out data, and it is more than chance.
 
         The gain on held-out trajectories is positive, and it has ``gain_sigmas`` standard errors, or the gain on
-        held-out indenters has. Where much evidence remains without the two trajectories that contribute most,
-        ``structure_evidence`` times what a claim needs beside the errors that the simulation then has, less is enough,
-        since an effect that is much stronger in some trajectories than in others gains as unequally. One standard
-        error is then certain; so is a gain whose sign one standard error leaves open, where that on held-out indenters
-        has ``gain_sigmas`` standard errors.
+        held-out indenters has. Where much evidence remains without the two trajectories that contribute most, less is
+        enough, since an effect that is much stronger in some trajectories than in others gains as unequally. One
+        standard error is then certain; so is a gain whose sign one standard error leaves open, where that on held-out
+        indenters has ``gain_sigmas`` standard errors. Much is ``structure_evidence`` times what a claim needs beside
+        usual errors of the simulation, and what it needs beside those that there are.
         """
-        is_much = self.evidence_without_best_two >= thresholds.structure_evidence * self.needed(thresholds)
+        remains_claimable = self.evidence_without_best_two >= self.needed(thresholds)
+        is_much = remains_claimable and self._remains(thresholds, thresholds.structure_evidence)
         holds_on_indenters = self.indenter_gain >= thresholds.gain_sigmas * self.indenter_error
         if self.gain > 0:
             sigmas = 1.0 if is_much else thresholds.gain_sigmas
