@@ -136,7 +136,8 @@ class DecisionThresholds:
         first one's evidence.
     remainder_share : float
         The second of two effects only repairs an imperfect form of the first where it adds less than this share of its
-        own evidence alone and less than this share of the first one's.
+        own evidence alone and less than this share of the first one's. An effect stands beside another one, which only
+        looks like errors of the simulation, where it adds this share of its own evidence.
     evidence_slope : float
         Log-odds of a candidate per unit of evidence beyond what it needs.
     unclaimed_cost : float
