@@ -110,7 +110,17 @@ class DrawnWorld:
         )
 
     def case(self, kind: str, hidden: Sequence[dict[str, Any]], sight: Sight | None = None) -> WorldCase:
-        """Return the case of this world."""
+        """Return the case of this world.
+
+        Parameters
+        ----------
+        kind : str
+            Kind of the case.
+        hidden : sequence of dict
+            Hidden effects as a scenario states them.
+        sight : Sight, optional
+            How much can be seen of them; ``None`` where nothing is hidden.
+        """
         gel = self.played.gel(self.seed)
         effects = load_scenario(self.played.plan.scenario(self.seed, gel, list(hidden))).hidden
         return WorldCase(
