@@ -10,7 +10,7 @@ readings, or among the first two of its names. Differences are paired: the same 
 of a bootstrap over cases.
 
 "ours, simulation exact" is no rival: it is our diagnosis of readings from which the generator's own error is taken off,
-which only the oracle of the proof knows. What it misses, no better model of that error would find.
+which only the oracle of the proof knows. What it misses by the rules in use is lost to something else than that error.
 With ``--out`` a run that was stopped goes on.
 """
 
@@ -19,7 +19,6 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +31,7 @@ from tactiledata.gel.elasticity.compliance import cache_folder
 from tactiledata.prove.cases.configuration import Configuration, played_plan
 from tactiledata.prove.cases.drawn_world import DrawnWorld
 from tactiledata.prove.cases.kinds import NULLS, OUTSIDE
+from tactiledata.prove.cases.oracle import with_wrenches
 from tactiledata.prove.request import ProofRequest
 from tactiledata.prove.score.outcome import CLAIMS, told_by_readings
 from tactiledata.prove.score.scored_case import ScoredCase
@@ -84,9 +84,8 @@ def exact_case(case: ScoredCase, played: PlayedPlan, touches: TouchSet, effects:
     """The case as a simulation would see it that errs by nothing where nothing is hidden."""
     label = case.label
     world = DrawnWorld(played, Configuration(**label["configuration"]), label["seed"])
-    errors = np.split(world.solver_error, np.cumsum(touches.counts)[:-1])
-    exact = [replace(one, measured=one.measured - error) for one, error in zip(touches.touches, errors, strict=True)]
-    return Case(replace(touches, touches=exact), START, effects)
+    measured = np.concatenate([one.measured for one in touches.touches])
+    return Case(with_wrenches(touches, measured - world.solver_error), START, effects)
 
 
 def difference(ours: Sequence[bool], other: Sequence[bool], seed: int = 0) -> tuple[float, float, float]:

@@ -59,7 +59,7 @@ class CountedBatch(NamedBatch):
 
 
 def test_the_files_of_a_batch_are_asked_for_once_however_many_touches_it_has():
-    """They are digests of indenters and poses: asked for with each touch, 60 touches took 40 s of nothing else."""
+    """They are digests: asked for with each touch, they would take the square of the number of touches."""
     batch = CountedBatch("a", 1.0, tuple(range(50)))
     play_batches([batch])
     assert len(batch.asked) == 1

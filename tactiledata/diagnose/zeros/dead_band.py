@@ -142,11 +142,11 @@ def _step_of(column: Array) -> float:
     Numbers that occur once are strays: a sensor that saturates puts some between the steps.
     """
     numbers, counts = np.unique(np.round(column, DIGITS), return_counts=True)
-    often = numbers[counts > 1]
-    if len(often) < 2 or 2 * counts[counts > 1].sum() < len(column):
+    is_often = counts > 1
+    if is_often.sum() < 2 or 2 * counts[is_often].sum() < len(column):
         return 0.0
     # a bound is a number that occurs often, and is no step
-    return float(np.quantile(np.diff(often), STRAYS, method="lower"))
+    return float(np.quantile(np.diff(numbers[is_often]), STRAYS, method="lower"))
 
 
 def _between(sides: tuple[Array, Array], low: Array, high: Array) -> Array:

@@ -27,11 +27,16 @@ RATIOS, FRICTIONS = 5, 5
 """Number of Poisson's ratios and of friction coefficients that the paper's calibration tries."""
 
 
+def with_wrenches(touch_set: TouchSet, wrenches: Array) -> TouchSet:
+    """Return the trajectories with other measured wrenches (N, 6), N and N m, one trajectory after the other."""
+    ends = np.cumsum(touch_set.counts)[:-1]
+    pairs = zip(touch_set.touches, np.split(wrenches, ends), strict=True)
+    return replace(touch_set, touches=[replace(case, measured=one) for case, one in pairs])
+
+
 def refit(touch_set: TouchSet, wrenches: Array) -> JointFit:
     """Return the plain simulation fitted to wrenches (N, 6) without noise; its cost is in squares of the noise."""
-    ends = np.cumsum(touch_set.counts)[:-1]
-    exact = [replace(case, measured=one) for case, one in zip(touch_set.touches, np.split(wrenches, ends), strict=True)]
-    return plain_fit(WhitenedTouches.of(replace(touch_set, touches=exact), NamingOptions().errors), START)
+    return plain_fit(WhitenedTouches.of(with_wrenches(touch_set, wrenches), NamingOptions().errors), START)
 
 
 def plain_whitened(touch_set: TouchSet, change: Array) -> Array:
