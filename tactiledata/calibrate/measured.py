@@ -17,7 +17,7 @@ from tactiledata.gel.contact.history import GelTouch
 from tactiledata.gel.flex.model import is_convex
 from tactiledata.gel.mesh.pad import PadMesh
 from tactiledata.ingest.clocks.align import fractions_between
-from tactiledata.ingest.forces.tare import SURELY_FREE, component_noise, touch_threshold, touching
+from tactiledata.ingest.forces.onset import surely_free
 from tactiledata.nuisance.noise import WrenchNoise, noise_at_rest, specified_noise
 from tactiledata.replay.chosen_frames import chosen_frames
 from tactiledata.replay.opened import OpenedStore
@@ -225,10 +225,7 @@ class _WrenchReader:
         is_new[1:] = (np.diff(samples, axis=0) != 0).any(axis=1)
         readings = samples[is_new]
         # stop well before the force first rises above its noise
-        threshold = touch_threshold(component_noise(readings))
-        contact = np.flatnonzero(touching(np.linalg.norm(readings[:, :3], axis=1), threshold))
-        first = int(contact[0]) if len(contact) else len(readings)
-        distinct = int(SURELY_FREE * first)
+        distinct = surely_free(readings, t_ns[is_new])
         # repeated samples stay: the frames were interpolated between these, too
         end = int(np.flatnonzero(is_new)[distinct]) if distinct < len(readings) else len(samples)
         return samples[:end], distinct

@@ -20,7 +20,7 @@ from tactiledata.effects.touch.felt_acceleration import felt_accelerations
 from tactiledata.ingest.clocks.align import POSE_COLUMNS, broken_rotations
 from tactiledata.ingest.forces.contact import zeros_at
 from tactiledata.ingest.forces.gravity import tool_weight, without_pose
-from tactiledata.ingest.forces.tare import SURELY_FREE, component_noise, touch_threshold, touching
+from tactiledata.ingest.forces.onset import SURELY_FREE, component_noise, light_touch, touch_threshold, touching
 from tactiledata.ingest.forces.tare_events import locate_tares, without_steps
 from tactiledata.replay.opened import OpenedStore
 from tactiledata.store.read.signal_rows import SignalRows
@@ -276,7 +276,7 @@ def free_air_between(load: Array, t_ns: Indices, tare_ns: list[int], zeros: Arra
     lasting = uniform_filter1d(steady[:, :3], min(width, len(steady)), axis=0, mode="nearest")
     from_start = lasting - np.median(steady[: max(FEWEST_READINGS, 2 * width), :3], axis=0)
     touched = np.flatnonzero(touching(np.linalg.norm(from_start, axis=1), touch_threshold(noise)))
-    first = int(touched[0]) if len(touched) else len(load)
+    first = min(int(touched[0]) if len(touched) else len(load), light_touch(steady, t_ns))
     # each stretch ends safely before the first touch
     borders = [0, *(tare.row for tare in inside), len(load)]
     before = sum(moment < t_ns[0] for moment in tare_ns)

@@ -1,6 +1,7 @@
 """Contact forces from raw readings of the force sensor.
 
 - ``gravity``: what the tool's own weight adds, from its mass, its centre of gravity and the pose.
+- ``onset``: when a force shows contact, and which samples were surely taken before.
 - ``tare``: the zero of the sensor, from free air or from stated tare events. ``tare_events``: those events, as the
   readings show them. ``zero_levels``: whether a trajectory begins in free air at all. ``zero_findings``: what is
   said of trajectories that do not, or whose zero is far from the others'.

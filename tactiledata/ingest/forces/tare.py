@@ -9,6 +9,15 @@ import numpy as np
 
 from tactiledata.contract.records import Finding, Times, Values
 from tactiledata.contract.wording import counted, listed
+from tactiledata.ingest.forces.onset import (
+    MIN_FREE_AIR,
+    RELEASE_SHARE,
+    SURELY_FREE,
+    component_noise,
+    light_touch,
+    touch_threshold,
+    touching,
+)
 from tactiledata.ingest.forces.tare_events import (
     PAUSE,
     Tare,
@@ -30,19 +39,6 @@ from tactiledata.ingest.forces.zero_levels import (
     moved_zeros,
     pressed_beginnings,
 )
-
-TOUCH = 0.5
-"""N. Change of force against free air that counts as a touch, where the noise is smaller."""
-
-RELEASE_SHARE = 0.5
-"""A touch ends when the force falls below this share of the touching threshold."""
-
-MIN_FREE_AIR = 10
-"""Samples without contact that a zero is taken from, at least."""
-
-SURELY_FREE = 0.5
-"""Share of the samples before a touch is noticed that is free air for sure: a slow press is under the threshold for as
-long as it was in the air, and the median of both was up to 0.1 N off."""
 
 MAX_DRIFT = 5.0
 """N. A trajectory whose start is farther than this from the recording's zero starts in contact, not in free air."""
@@ -87,31 +83,6 @@ def half_sample_mode(samples: Values) -> float:
         start = int(np.argmin(widths))
         rows = rows[start : start + half]
     return float(rows.mean())
-
-
-def component_noise(load: Values) -> float:
-    """Standard deviation (N) of one force component, from the differences of neighbouring samples that differ."""
-    steps = np.diff(load[:, :3], axis=0)
-    steps = steps[(steps != 0).any(axis=1)]
-    if not len(steps):
-        return 0.0
-    return float(np.median(np.abs(steps)) / 0.6745 / np.sqrt(2))
-
-
-def touching(force: Values, threshold: float) -> np.ndarray:
-    """Whether each sample (n,) of a force norm is in contact: above the threshold, until it falls below half of it."""
-    above = force > threshold
-    below = force < RELEASE_SHARE * threshold
-    change = np.where(above, 1, np.where(below, -1, 0))
-    known = change != 0
-    # every undecided sample takes the state of the last decided one; before any decision there is no contact
-    last = np.maximum.accumulate(np.where(known, np.arange(len(change)), -1))
-    return np.where(last >= 0, change[np.maximum(last, 0)] > 0, False)
-
-
-def touch_threshold(noise: float) -> float:
-    """N. Six standard deviations of the force norm's noise, at least `TOUCH`."""
-    return max(TOUCH, 6.0 * noise * np.sqrt(3))
 
 
 def find_zero(
@@ -167,7 +138,9 @@ def find_zero(
             continue
         general = bias[start].copy()
         pieces = (
-            [] if name in pressed else _piece_zeros(load, tares, (start, stop), bias[start], noise, name in surely_free)
+            []
+            if name in pressed
+            else _piece_zeros(t_ns, load, tares, (start, stop), bias[start], noise, name in surely_free)
         )
         if not pieces:
             missed.append((name, start, stop))
@@ -234,7 +207,13 @@ def _was_pressed(t_ns: Times, load: Values, zero: np.ndarray, noise: float) -> b
 
 
 def _piece_zeros(
-    load: Values, tares: list[Tare], rows: tuple[int, int], general: np.ndarray, noise: float, is_surely_free: bool
+    t_ns: Times,
+    load: Values,
+    tares: list[Tare],
+    rows: tuple[int, int],
+    general: np.ndarray,
+    noise: float,
+    is_surely_free: bool,
 ) -> list[tuple[int, np.ndarray]]:
     """First row and zero (6,) of each piece of a trajectory between tare events; none where it has no free air.
 
@@ -254,6 +233,7 @@ def _piece_zeros(
         return []
     touched = np.flatnonzero(contact)
     free = sound[: touched[0]] if len(touched) else sound
+    free = free[: light_touch(steady[sound], t_ns[start + sound])]
     borders = [start, *(tare.row for tare in inside), stop]
     zeros = [_free_air_zero(load, free + start, begin, end) for begin, end in itertools.pairwise(borders)]
     steps = np.cumsum([np.zeros(6), *(tare.step for tare in inside)], axis=0)

@@ -6,7 +6,7 @@ import numpy as np
 
 from tactiledata.contract.records import Finding, Times, Trajectory
 from tactiledata.contract.take import StoredSignal
-from tactiledata.ingest.forces.tare import touch_threshold, touching
+from tactiledata.ingest.forces.onset import touch_threshold, touching
 
 MARGIN = 1_000_000_000
 """ns of free air kept on either side of a contact, or half the way to the neighbouring one."""

@@ -23,7 +23,7 @@ from tactiledata.effects.touch.touch import Touch
 from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.ingest.clocks.align import align, fractions_between
 from tactiledata.ingest.forces.contact import contact_wrench
-from tactiledata.ingest.forces.tare import SURELY_FREE, component_noise, touch_threshold, touching
+from tactiledata.ingest.forces.onset import surely_free
 from tactiledata.nuisance.noise import noise_at_rest
 from tactiledata.prove.worlds.logs import LogReadings, WorldLog, play_logs, stored_signal, unfelt
 from tactiledata.prove.worlds.plan import WorldPlan
@@ -231,12 +231,6 @@ def _as_stored(log: WorldLog, wrench: StoredSignal, tcp: StoredSignal) -> list[_
         seconds = np.asarray((contact.t_ns[rows] - played.start_ns) * 1e-9, dtype=float)
         values = np.asarray(contact.values[rows], dtype=float)
         readings = ForceReadings(seconds, values)
-        found.append(_StoredTouch(align(contact, times).values, readings, _before_touch(values), fractions))
+        free = values[: surely_free(values, contact.t_ns[rows])]
+        found.append(_StoredTouch(align(contact, times).values, readings, free, fractions))
     return found
-
-
-def _before_touch(values: Array) -> Array:
-    """Return the readings (m, 6) that were surely taken before the contact."""
-    threshold = touch_threshold(component_noise(values))
-    contact = np.flatnonzero(touching(np.linalg.norm(values[:, :3], axis=1), threshold))
-    return values[: int(SURELY_FREE * (int(contact[0]) if len(contact) else len(values)))]

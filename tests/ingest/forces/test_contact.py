@@ -11,7 +11,8 @@ from tactiledata.contract.records import Stamps
 from tactiledata.contract.take import StoredSignal
 from tactiledata.ingest.forces.contact import contact_wrench
 from tactiledata.ingest.forces.gravity import STANDARD_GRAVITY
-from tactiledata.ingest.forces.tare import find_zero, half_sample_mode, touching
+from tactiledata.ingest.forces.onset import touching
+from tactiledata.ingest.forces.tare import find_zero, half_sample_mode
 from tactiledata.ingest.trajectories.segment import contact_spans, segment_by_contact
 from tactiledata.transforms import Transform, move_wrench
 from tactiledata.units import SIGNAL_COLUMNS, signal_units

@@ -6,13 +6,8 @@ import numpy as np
 import pytest
 from load_levels import MS, START, made
 
-from tactiledata.ingest.forces.tare import (
-    component_noise,
-    find_zero,
-    half_sample_mode,
-    touch_threshold,
-    touching,
-)
+from tactiledata.ingest.forces.onset import component_noise, touch_threshold, touching
+from tactiledata.ingest.forces.tare import find_zero, half_sample_mode
 from tactiledata.ingest.forces.tare_events import locate_tares
 
 
