@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.prove.score.outcome import CLAIMS, DRIFT, outcome
+from tactiledata.prove.score.outcome import CLAIMS, outcome
 from tactiledata.prove.score.wilson import interval
 
 Array = NDArray[np.float64]
@@ -32,13 +32,13 @@ def summary(cases: Sequence[Case]) -> str:
     lines = []
     nulls = [case for case in cases if case["kind"] == "nulls"]
     if nulls:
-        said = [case for case in nulls if case["verdict"] != "nothing found" or set(case["zeros"]) - {DRIFT}]
+        said = [case for case in nulls if case["verdict"] != "nothing found" or case["zeros"]]
         lines.append(f"\nnulls: {len(nulls)}, answers other than 'nothing found': {len(said)}")
         lines += [f"    {case['case']}: {case['verdict']} {case['set'] or case['nearest']}" for case in said]
         gains = [max((one["gain"] for one in case["candidates"]), default=0.0) for case in nulls]
         ends = np.quantile(gains, [0.5, 0.95, 1.0]).round(1)
         lines.append(f"    largest held-out gain of a null: median {ends[0]}, 95 % {ends[1]}, most {ends[2]}")
-        named = sum(case["verdict"] in CLAIMS or bool(set(case["zeros"]) - {DRIFT}) for case in nulls)
+        named = sum(case["verdict"] in CLAIMS or bool(case["zeros"]) for case in nulls)
         low, high = interval(named, len(nulls))
         lines.append(f"    named: {named} of {len(nulls)} (95 % interval {100 * low:.0f} to {100 * high:.0f} %)")
         lines.append("    largest evidence of an effect in a null, without its two best trajectories, and needed:")

@@ -34,7 +34,6 @@ from tactiledata.gel.elasticity.material import GelMaterial
 from tactiledata.prove.answers.named import named_world
 from tactiledata.prove.cases.oracle import refit
 from tactiledata.prove.cases.truth import friction_left, modulus_left
-from tactiledata.prove.score.outcome import DRIFT
 from tactiledata.prove.worlds.plan import WorldPlan
 from tactiledata.prove.worlds.played_plan import PlayedPlan
 from tactiledata.rig.scenario.scenario import load_scenario
@@ -131,7 +130,7 @@ def keep_and_tell(case: Asked, result: dict[str, Any], out: Path | None) -> None
         with out.open("a") as file:
             file.write(json.dumps(result) + "\n")
     said = f"{result['verdict']}: {', '.join(result['set']) or '-'} (nearest {' + '.join(result['nearest'])})"
-    readings = sorted(set(result["zeros"]) - {DRIFT})
+    readings = sorted(set(result["zeros"]))
     said += f", of readings alone {', '.join(readings)}" if readings else ""
     print(f"{case.label}: {said}; signal {result['signal']:.0f}; {result['seconds']:.0f} s", flush=True)
 

@@ -33,7 +33,7 @@ from tactiledata.prove.cases.drawn_world import DrawnWorld
 from tactiledata.prove.cases.kinds import NULLS, OUTSIDE
 from tactiledata.prove.cases.oracle import with_wrenches
 from tactiledata.prove.request import ProofRequest
-from tactiledata.prove.score.outcome import CLAIMS, told_by_readings
+from tactiledata.prove.score.outcome import CLAIMS
 from tactiledata.prove.score.scored_case import ScoredCase
 from tactiledata.prove.seal.folder import ProofFolder, read_json, read_readings
 from tactiledata.prove.seal.verify import scored_cases
@@ -69,7 +69,7 @@ def judged(cases: Sequence[ScoredCase], kept: Sequence[dict[str, Any]]) -> dict[
     found: dict[str, list[tuple[str, bool, bool]]] = {}
     for one in kept:
         case = by_name[one["case"]]
-        shown = told_by_readings(case.answer)
+        shown = case.answer["zeros"]
         said = case.answer["set"] if case.answer["verdict"] in CLAIMS else ()
         row = (
             case.kind,

@@ -2,7 +2,6 @@
 
 import pytest
 
-from tactiledata.prove.score.outcome import DRIFT
 from tactiledata.prove.score.score import TARGETS, gap_closed
 from tactiledata.prove.score.scored_case import ScoredCase
 
@@ -37,15 +36,14 @@ def scored(kind, truth=(), verdict="nothing found", said=(), probabilities=None,
         (scored("nulls", verdict="not explained"), "structure only", True, False),
         (scored("nulls", verdict="explained", said=["lag"]), "false alarm", False, True),
         (scored("nulls", zeros=["inertia"]), "false alarm", False, True),
-        (scored("nulls", zeros=[DRIFT]), "nothing found", True, False),
         (scored("visible", ["lag"], "explained", ["lag"]), "named", True, False),
         (scored("visible", ["lag"], "explained", ["clock_skew"], ties=["lag"]), "in the set", True, False),
         (scored("visible", ["lag"], "explained", ["wear"]), "wrong", False, True),
         (scored("visible", ["lag"]), "missed", False, False),
         (scored("visible", ["lag"], "not explained"), "unnamed", False, False),
         (scored("visible", ["inertia"], "not explained", zeros=["inertia"]), "named", True, False),
-        (scored("visible", [DRIFT], "not explained", zeros=[DRIFT]), "unnamed", False, False),
-        (scored("pairs", ["lag", DRIFT], "explained", ["lag"], zeros=[DRIFT]), "one of two", False, False),
+        (scored("pairs", ["lag", "inertia"], "explained", ["lag"], zeros=["inertia"]), "named", True, False),
+        (scored("pairs", ["lag", "wear"], "not explained", zeros=["inertia"]), "wrong", False, True),
         (scored("drawn", ["lag"], signal=3.0), "too weak", True, False),
         (scored("outside", verdict="not explained"), "abstained", True, False),
         (scored("outside", verdict="explained", said=["lag"]), "wrong", False, True),
@@ -71,7 +69,6 @@ def test_what_an_answer_is_worth(case, outcome, is_right, is_wrong):
         (scored("visible", ["lag"]), 1.0, False),
         (scored("visible", ["lag"], probabilities={}), 1.0, False),
         (scored("visible", ["inertia"], zeros=["inertia"]), 1.0, True),
-        (scored("visible", [DRIFT], zeros=[DRIFT]), 1.0, False),
         (scored("drawn", ["lag"], signal=3.0), 1.0, True),
         (scored("pairs", ["wear", "lag"], probabilities={"wear + lag": 0.9, "none": 0.1}), 0.9, True),
     ],

@@ -76,8 +76,8 @@ class StoreDiagnosis:
 
     @property
     def is_missing(self) -> bool:
-        """Whether physics is missing, of the contact or of the force sensor."""
-        return self.answer.is_missing or bool(self.zeros) or bool(self.readings)
+        """Whether physics is missing, of the contact or of the force sensor; a drift that does not matter is none."""
+        return self.answer.is_missing or any(cause.matters for cause in self.zeros) or bool(self.readings)
 
     @property
     def verdict(self) -> Verdict:

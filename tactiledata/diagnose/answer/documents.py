@@ -222,15 +222,18 @@ def sentences_of(done: StoreDiagnosis) -> list[str]:
 
 
 def _sensor_sentences(done: StoreDiagnosis) -> list[str]:
-    """Return sentences on what the force sensor's readings show, and on each cause that its zero follows."""
-    return [*(shown.words for shown in done.readings), *(cause.words for cause in done.zeros)]
+    """Return sentences on what the force sensor's readings show, and on each cause of its zeros that matters."""
+    return [*(shown.words for shown in done.readings), *(cause.words for cause in done.zeros if cause.matters)]
 
 
 def _further(done: StoreDiagnosis) -> list[str]:
-    """Return sentences on a formula, on limits of the recordings, and on trials to record next."""
+    """Return sentences on a formula, on a drift that does not matter, on limits of the recordings, and on trials to
+    record next.
+    """
     form = None if done.formula is None else done.formula.form
     formula = [f"A formula for what is missing: {form.words}."] if form is not None and form.terms else []
-    return [*formula, *done.limits, *next_trial_sentences(done.proposals, _is_more_left(done))[:MOST_TRIALS]]
+    harmless = [cause.words for cause in done.zeros if not cause.matters]
+    return [*formula, *harmless, *done.limits, *next_trial_sentences(done.proposals, _is_more_left(done))[:MOST_TRIALS]]
 
 
 def _is_more_left(done: StoreDiagnosis) -> bool:

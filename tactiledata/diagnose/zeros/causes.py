@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -25,6 +25,9 @@ WORTH = 0.2
 """Least share of the held-out squares beyond the noise that a cause must explain to be reported."""
 LEAST = 0.02
 """Least root mean square of the zeros' force in N; smaller differences are not analysed."""
+WITHIN = 0.01
+"""Change of the zero from the free air to the end of a trajectory, N, up to which a drift does not matter: a fit allows
+every trajectory as much (`tactiledata.diagnose.touches.own_errors.OwnErrors`)."""
 FEWEST = 8
 """Fewest trajectories with readings in free air; the cable, with its 18 columns, needs twice as many."""
 
@@ -48,6 +51,9 @@ class ZeroCause:
         Fitted numbers of the cause, in SI units.
     words : str
         The cause as sentences for the user.
+    within : float, optional
+        Root mean square of the change of the zero's force from the free air to the end of a trajectory, N, by a cause
+        that acts while the arm rests; ``None`` for the others.
     """
 
     effect: str
@@ -57,11 +63,17 @@ class ZeroCause:
     after: float
     values: dict[str, float]
     words: str
+    within: float | None = None
+
+    @property
+    def matters(self) -> bool:
+        """Whether contact forces are wrong by it: they are not where the zero hardly changes within a trajectory."""
+        return self.within is None or self.within > WITHIN
 
     @property
     def document(self) -> dict[str, Any]:
         """The cause as it stands in ``diagnosis.json`` (schemas/diagnosis.json)."""
-        return dict(vars(self))
+        return {**vars(self), "matters": self.matters}
 
 
 @dataclass(frozen=True)
@@ -78,12 +90,16 @@ class _Model:
         Makes named numbers of the k fitted coefficients.
     words : callable
         Makes a clause for the user of these numbers.
+    within : (n,), optional
+        Change of the zero from a piece of free air to the end of its trajectory, N, for each newton that the model's
+        forces have in the end.
     """
 
     effect: str
     field: Array
     values: Callable[[Array], dict[str, float]]
     words: Callable[[dict[str, float]], str]
+    within: Array | None = None
 
 
 def zero_causes(zeros: ForceZeros, seed: int = 0, band: float = 0.0) -> list[ZeroCause]:
@@ -139,9 +155,14 @@ def zero_causes(zeros: ForceZeros, seed: int = 0, band: float = 0.0) -> list[Zer
         words = (
             f"In free air, {best.words(values)} ({p_words(p)}). This explains {percent(explained)} of the differences"
             " between the zeros of held-out trajectories. Each trajectory gets a zero of its own, so that contact"
-            " forces contain only what changes within a trajectory."
+            " forces contain only what changes within a trajectory"
         )
-        causes.append(ZeroCause(best.effect, p, explained, before, after, values, words))
+        within = None if best.within is None else _within(best.within, values)
+        cause = ZeroCause(best.effect, p, explained, before, after, values, f"{words}.", within)
+        if within is not None:
+            weight = "forces are wrong by as much" if cause.matters else "too little to matter"
+            cause = replace(cause, words=f"{words}: {within:.3f} N, {weight}.")
+        causes.append(cause)
         taken, before = design, after
     return causes
 
@@ -208,7 +229,14 @@ def _drift(zeros: ForceZeros, scale: Array, time: float) -> _Model:
         _shaped(zeros, warm[:, None, None] * np.eye(6), scale),
         lambda numbers: {**dict(zip(names, numbers.tolist(), strict=True)), "time": time},
         words,
+        np.exp(-zeros.seconds / time) * -np.expm1(-zeros.remaining / time),
     )
+
+
+def _within(change: Array, values: Mapping[str, float]) -> float:
+    """Return the root mean square, N, of changes (n,) for each newton of a drift's force in the end."""
+    size = np.linalg.norm([values[name] for name in ("fx", "fy", "fz")])
+    return float(size * np.sqrt((change**2).mean()))
 
 
 def _cable(zeros: ForceZeros, scale: Array) -> _Model:

@@ -20,7 +20,7 @@ from tactiledata.effects.touch.felt_acceleration import felt_accelerations
 from tactiledata.ingest.clocks.align import POSE_COLUMNS, broken_rotations
 from tactiledata.ingest.forces.contact import zeros_at
 from tactiledata.ingest.forces.gravity import tool_weight, without_pose
-from tactiledata.ingest.forces.onset import SURELY_FREE, component_noise, light_touch, touch_threshold, touching
+from tactiledata.ingest.forces.onset import SURELY_FREE, before_touch, component_noise, touch_threshold, touching
 from tactiledata.ingest.forces.tare_events import locate_tares, without_steps
 from tactiledata.replay.opened import OpenedStore
 from tactiledata.store.read.signal_rows import SignalRows
@@ -52,6 +52,8 @@ class ForceZeros:
         Unit vector of gravity in the force sensor's frame.
     seconds : (n,)
         Time in s since the sensor was switched on, where the log states it; else since the start of the log.
+    remaining : (n,) s
+        Time from the piece to the end of its trajectory.
     joints : (n, 6) rad, optional
         Joint angles of the robot; ``None`` where any piece lacks them.
     """
@@ -61,6 +63,7 @@ class ForceZeros:
     zeroed: Indices
     down: Array
     seconds: Array
+    remaining: Array
     joints: Array | None
 
     def __len__(self) -> int:
@@ -80,8 +83,8 @@ class _FreeAir:
     ----------
     stretches : list of (int, (m, 6), (m,))
         As `free_air_between` returns them.
-    starts_ns : int
-        Time of the first reading.
+    starts_ns, ends_ns : int
+        Times of the first and the last reading of the trajectory.
     tcp : StoredSignal
         Poses of the tool.
     ft_from_tcp : (3, 3)
@@ -90,6 +93,7 @@ class _FreeAir:
 
     stretches: list[tuple[int, Array, Indices]]
     starts_ns: int
+    ends_ns: int
     tcp: StoredSignal
     ft_from_tcp: Array
 
@@ -118,6 +122,7 @@ class StoreReadings:
             np.unique([f"{piece['zeroed']}" for piece in pieces], return_inverse=True)[1].astype(np.int64),
             np.array([piece["down"] for piece in pieces]).reshape(-1, 3),
             np.array([piece["seconds"] for piece in pieces], dtype=np.float64),
+            np.array([piece["remaining"] for piece in pieces], dtype=np.float64),
             np.array(joints) if joints and all(angles is not None for angles in joints) else None,
         )
 
@@ -158,6 +163,7 @@ class StoreReadings:
                 "zeroed": (row["source"], zeroed),
                 "down": -(air.ft_from_tcp @ pose[:3, :3].T)[:, 2],
                 "seconds": (middle - since) / 1e9,
+                "remaining": (air.ends_ns - middle) / 1e9,
                 "joints": angles,
             })  # fmt: skip
         return [piece for piece in listed if np.isfinite(piece["load"]).all() and np.isfinite(piece["down"]).all()]
@@ -180,7 +186,7 @@ class StoreReadings:
         # stretches of free air between tares
         tare_ns = [int(moment) for moment in stated.get("tare_ns", [])]
         stretches = free_air_between(load, wrench.t_ns, tare_ns, zeros_at(description, tcp, tare_ns))
-        return _FreeAir(stretches, int(wrench.t_ns[0]), tcp, tcp_from_ft.inverse().rotation)
+        return _FreeAir(stretches, int(wrench.t_ns[0]), int(wrench.t_ns[-1]), tcp, tcp_from_ft.inverse().rotation)
 
     def _signal(self, stream: str, spans: Mapping[str, Any]) -> StoredSignal | None:
         """Return the finite rows of a stream, such as ``"wrench"``, in one trajectory; ``None`` where there are none.
@@ -276,7 +282,7 @@ def free_air_between(load: Array, t_ns: Indices, tare_ns: list[int], zeros: Arra
     lasting = uniform_filter1d(steady[:, :3], min(width, len(steady)), axis=0, mode="nearest")
     from_start = lasting - np.median(steady[: max(FEWEST_READINGS, 2 * width), :3], axis=0)
     touched = np.flatnonzero(touching(np.linalg.norm(from_start, axis=1), touch_threshold(noise)))
-    first = min(int(touched[0]) if len(touched) else len(load), light_touch(steady, t_ns))
+    first = before_touch(int(touched[0]) if len(touched) else len(load), steady, t_ns)
     # each stretch ends safely before the first touch
     borders = [0, *(tare.row for tare in inside), len(load)]
     before = sum(moment < t_ns[0] for moment in tare_ns)

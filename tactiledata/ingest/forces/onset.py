@@ -23,6 +23,9 @@ SURELY_FREE = 0.5
 """Share of the samples before a touch is noticed that is free air for sure: a slow press is under the threshold for as
 long as it was in the air, and the median of both was up to 0.1 N off."""
 
+LIGHT_FREE = 0.7
+"""The same share of the samples before a light touch is noticed, as averages notice it earlier."""
+
 AVERAGED = 0.3
 """Seconds over which readings are averaged where a light touch is sought: more than a period of an arm's vibration."""
 
@@ -89,6 +92,21 @@ def light_touch(load: Values, t_ns: Times) -> int:
     return int(touched[0]) if len(touched) else len(force)
 
 
+def before_touch(first: int, load: Values, t_ns: Times) -> int:
+    """Number of samples before a touch is noticed, of which the share `SURELY_FREE` is free air for sure.
+
+    Parameters
+    ----------
+    first : int
+        Number of samples before single readings show a touch; all where they show none.
+    load : (n, 6) N, N m
+        As for `light_touch`.
+    t_ns : (n,) int64
+        Time of each sample in ns.
+    """
+    return min(first, int(LIGHT_FREE / SURELY_FREE * light_touch(load, t_ns)))
+
+
 def surely_free(load: Values, t_ns: Times) -> int:
     """Number of samples that were surely taken before the contact: half of those before a touch is noticed.
 
@@ -101,4 +119,4 @@ def surely_free(load: Values, t_ns: Times) -> int:
     """
     contact = np.flatnonzero(touching(np.linalg.norm(load[:, :3], axis=1), touch_threshold(component_noise(load))))
     first = int(contact[0]) if len(contact) else len(load)
-    return int(SURELY_FREE * min(first, light_touch(load, t_ns)))
+    return int(SURELY_FREE * before_touch(first, load, t_ns))

@@ -13,8 +13,8 @@ from tactiledata.ingest.forces.onset import (
     MIN_FREE_AIR,
     RELEASE_SHARE,
     SURELY_FREE,
+    before_touch,
     component_noise,
-    light_touch,
     touch_threshold,
     touching,
 )
@@ -232,8 +232,8 @@ def _piece_zeros(
     if np.linalg.norm((first - general)[:3]) > MAX_DRIFT and not is_free:
         return []
     touched = np.flatnonzero(contact)
-    free = sound[: touched[0]] if len(touched) else sound
-    free = free[: light_touch(steady[sound], t_ns[start + sound])]
+    before = int(touched[0]) if len(touched) else len(sound)
+    free = sound[: before_touch(before, steady[sound], t_ns[start + sound])]
     borders = [start, *(tare.row for tare in inside), stop]
     zeros = [_free_air_zero(load, free + start, begin, end) for begin, end in itertools.pairwise(borders)]
     steps = np.cumsum([np.zeros(6), *(tare.step for tare in inside)], axis=0)

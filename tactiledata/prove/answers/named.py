@@ -68,7 +68,7 @@ class NamedWorld:
             "before": [one["value"] for one in document["before"]],
             "after": [one["value"] for one in document["after"][:3]],
             "values": {one["name"]: one["value"] for one in document["after"][3:]},
-            "zeros": [*(cause.effect for cause in causes), *self.recorded.shown],
+            "zeros": [*(cause.effect for cause in causes if cause.matters), *self.recorded.shown],
             "full_plays": [
                 # a number that is none was not refitted
                 {key: None if value != value else value for key, value in asdict(one).items()}

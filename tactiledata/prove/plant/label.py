@@ -131,7 +131,8 @@ def _score(
     wanted = set() if effect == NOTHING else set(find_plant(effect).named)
     names = list(naming["names"])
     ties = [tie["name"] for tie in naming.get("ties", [])] if names else []
-    zeros = [one["effect"] for what in ("zeros", "readings") for one in document.get(what, [])]
+    shown = [one for what in ("zeros", "readings") for one in document.get(what, [])]
+    zeros = [one["effect"] for one in shown if one.get("matters", True)]
     if not wanted:
         outcome = "false alarm" if names else "nothing named"
     elif wanted & {*names, *zeros}:

@@ -20,7 +20,6 @@ from tactiledata.prove.score.outcome import (
     WRONG,
     outcome,
     outcome_of_null,
-    told_by_readings,
 )
 from tactiledata.prove.score.wilson import Z
 
@@ -78,12 +77,12 @@ class ScoredCase:
     @property
     def said(self) -> tuple[str, ...]:
         """All names that the answer gives: claimed, tied with a claim, and shown by readings alone."""
-        return tuple(dict.fromkeys([*self.answer["set"], *told_by_readings(self.answer)]))
+        return tuple(dict.fromkeys([*self.answer["set"], *self.answer["zeros"]]))
 
     @property
     def is_claim(self) -> bool:
-        """Whether the answer names anything beside the drift that every world has."""
-        return self.answer["verdict"] in CLAIMS or bool(told_by_readings(self.answer))
+        """Whether the answer names anything."""
+        return self.answer["verdict"] in CLAIMS or bool(self.answer["zeros"])
 
     @cached_property
     def outcome(self) -> str:
@@ -135,7 +134,7 @@ class ScoredCase:
         if not label or unknown >= shares[label]:
             # weaker than what can be seen counts as nothing, and what readings show needs no fit
             weak = self.kind == DRAWN and self.signal < LEAST_SIGNAL
-            return float(unknown), weak or self.truth <= set(told_by_readings(self.answer))
+            return float(unknown), weak or self.truth <= set(self.answer["zeros"])
         return float(shares[label]), frozenset(label.split(" + ")) == self.truth
 
     @property

@@ -21,7 +21,7 @@ def zeros_of(logs: Sequence[tuple[WorldLog, StoredSignal, StoredSignal]]) -> For
     logs : sequence of (WorldLog, wrench, poses)
         Logs, each with its readings and its stream of poses.
     """
-    pieces: list[tuple[Array, int, int, float]] = []
+    pieces: list[tuple[Array, int, int, float, float]] = []
     poses: list[RealArray] = []
     trajectory = 0
     for log, wrench, tcp in logs:
@@ -35,14 +35,15 @@ def zeros_of(logs: Sequence[tuple[WorldLog, StoredSignal, StoredSignal]]) -> For
                 moments.append(times[part[len(part) // 2]])
                 seconds = (moments[-1] - played.start_ns) * 1e-9 + log.rig_setup.scenario.recordings.powered
                 zeroed = 1000 * log.index + sum(tare <= moments[-1] for tare in log.tares)
-                pieces.append((np.asarray(readings[part].mean(axis=0), dtype=np.float64), trajectory, zeroed, seconds))
+                level = np.asarray(readings[part].mean(axis=0), dtype=np.float64)
+                pieces.append((level, trajectory, zeroed, seconds, (play.end_ns - moments[-1]) * 1e-9))
             trajectory += 1
         poses.append(played.tcp(np.array(moments)))
     if not pieces:
         none = np.empty(0, dtype=np.int64)
-        return ForceZeros(np.empty((0, 6)), none, none, np.empty((0, 3)), np.empty(0), None)
+        return ForceZeros(np.empty((0, 6)), none, none, np.empty((0, 3)), np.empty(0), np.empty(0), None)
     base_from_tcp, robot = np.concatenate(poses), logs[0][0].rig_setup.scenario.robot
     down = -np.einsum("ij,nkj->nik", robot.tcp_from_ft.inverse().rotation, base_from_tcp[:, :3, :3])[:, :, 2]
     joints = np.asarray(ur5e.inverse(base_from_tcp @ robot.flange_from_tcp.inverse().matrix), dtype=float)
-    load_, owner, zeroed_, seconds_ = (np.array(column) for column in zip(*pieces, strict=True))
-    return ForceZeros(load_, owner, zeroed_, down, seconds_, joints)
+    load_, owner, zeroed_, seconds_, remaining = (np.array(column) for column in zip(*pieces, strict=True))
+    return ForceZeros(load_, owner, zeroed_, down, seconds_, remaining, joints)

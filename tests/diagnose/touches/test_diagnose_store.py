@@ -84,15 +84,18 @@ def test_a_store_is_diagnosed_from_end_to_end(store, tmp_path, capsys, monkeypat
 
 @pytest.mark.slow
 def test_the_page_says_all_that_the_document_says(store, tmp_path, capsys, monkeypatch):
-    """Every sentence of the document is on the page, those on causes of the zero first."""
+    """Every sentence of the document is on the page, those on causes of the zero that matter first."""
     pytest.importorskip("matplotlib")
     cause = ZeroCause("tool_weight", 0.003, 0.4, 0.16, 0.1, {"mass": 0.03}, "In free air, a planted cause.")
-    monkeypatch.setattr(diagnose_store, "zero_causes", lambda zeros, seed, band: [cause])
+    harmless = ZeroCause("sensor_drift", 0.003, 0.4, 0.1, 0.08, {"time": 300.0}, "In free air, a planted drift.", 0.004)
+    monkeypatch.setattr(diagnose_store, "zero_causes", lambda zeros, seed, band: [harmless, cause])
     given = (store, "--fidelity", "linear", "--effects", "lag", "--no-pairs", "--gate")
     code, _, _ = diagnosed(capsys, monkeypatch, *given, "--out", tmp_path)
     assert code == 1
     document = json.loads((tmp_path / "diagnosis.json").read_text())
     assert document["sentences"][0] == cause.words
+    assert document["sentences"].index(harmless.words) > 1
+    assert [one["matters"] for one in document["zeros"]] == [False, True]
     page = html.unescape((tmp_path / "report.html").read_text())
     assert [sentence for sentence in document["sentences"] if sentence not in page] == []
 

@@ -37,7 +37,7 @@ def zeros(seed=0, trajectories=24, scatter=0.03, mass=0.0, centre=(0.01, 0.0, 0.
     load += cable * np.sin(joints[:, 5:]) * np.array([1.0, 0.3, 0.0, 0.0, 0.0, 0.01])
     zeroed = (number >= trajectories // 2).astype(np.int64)
     load -= np.where(zeroed[:, None] == 0, load[0], load[PIECES * (trajectories // 2)])
-    return ForceZeros(load, number, zeroed, down, seconds, joints)
+    return ForceZeros(load, number, zeroed, down, seconds, np.full(len(number), 10.0), joints)
 
 
 def test_a_heavier_tool_is_found_with_its_mass_and_moment():
@@ -55,6 +55,17 @@ def test_a_drift_is_found():
     (cause,) = zero_causes(zeros(drift=0.6))
     assert cause.effect == "sensor_drift"
     assert cause.values["fz"] == pytest.approx(0.6, rel=0.3)
+
+
+@pytest.mark.parametrize(("drift", "matters"), [(0.2, False), (3.0, True)])
+def test_a_drift_matters_where_it_changes_the_zero_within_a_trajectory(drift, matters):
+    """What a drift changes within a trajectory is that of its law, and more than 0.01 N of it matters."""
+    planted = zeros(drift=drift, scatter=0.005)
+    (cause,) = zero_causes(planted)
+    speed = drift / 300.0 * np.exp(-planted.seconds / 300.0) * np.hypot(0.5, 1.0)
+    assert cause.within == pytest.approx(np.sqrt(((10.0 * speed) ** 2).mean()), rel=0.3)
+    assert cause.matters == matters
+    assert ("too little to matter" in cause.words) == (not matters)
 
 
 def test_a_cable_is_found_where_joints_are_known():

@@ -53,11 +53,11 @@ def test_a_short_trajectory_has_no_light_touch():
 
 @pytest.mark.parametrize("rate", [1, 5])
 def test_the_samples_before_a_light_press_are_surely_free(rate):
-    """Half of what comes before a light press is free air; repeated readings of a faster poll change nothing."""
+    """Most of what comes before a light press is free air; repeated readings of a faster poll change nothing."""
     t_ns, load = pressed(0.45)
     times = t_ns[0] + np.arange(rate * len(t_ns)) * (10**7 // rate)
     free = surely_free(np.repeat(load - 3.0, rate, axis=0), times)
-    assert 0.9 * RATE * rate <= free <= 1.6 * RATE * rate
+    assert 1.2 * RATE * rate <= free <= 2.0 * RATE * rate
 
 
 @pytest.mark.parametrize("force", [0.3, 0.5, 1.0])
