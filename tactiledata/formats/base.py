@@ -76,6 +76,11 @@ class Format(ABC):
     """One or more lines that show how the files lie, for `tactiledata formats` and the docs."""
     licence_note: ClassVar[str] = ""
     """What a user of a public corpus must know before redistributing."""
+    judges_whole_folders: ClassVar[bool] = False
+    """Whether `sniff` claims a folder only where all that lies in it may lie beside recordings of this format. Of a
+    folder that another format claims, what lies beside its recordings is searched for others."""
+    takes_subfolders: ClassVar[bool] = True
+    """Whether a folder that is a recording takes the folders below it; else they are searched for others."""
 
     @abstractmethod
     def sniff(self, path: Path) -> bool:

@@ -40,6 +40,7 @@ class McapFormat(Format):
 run.yaml                       or in a document beside it (schemas/log.json)
 bag/metadata.yaml              a rosbag2 folder: its files are one recording
 bag/bag_0.mcap, bag_1.mcap …"""
+    judges_whole_folders = True
 
     def sniff(self, path: Path) -> bool:
         """Whether a file is an MCAP (or a bag that must become one), or a folder a bag or a collection of bags."""
