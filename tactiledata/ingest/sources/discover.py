@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from tactiledata.contract.lfs_pointer import is_lfs_pointer, not_fetched
+from tactiledata.contract.lfs_pointer import is_lfs_pointer, not_fetched, pointer_words
 from tactiledata.contract.records import Finding, Source
 from tactiledata.errors import BrokenLog, MissingFile, TactileDataError, UsageError
 from tactiledata.formats import FORMATS
@@ -66,6 +66,16 @@ def find_sources(paths: Sequence[Path], format_name: str | None = None) -> tuple
         unclaimed.extend(left)
     used = {name for source in sources for name in source.files}
     return _unique_keys(sources), [path for path in unclaimed if str(path) not in used]
+
+
+def unclaimed_findings(unclaimed: Sequence[Path]) -> tuple[list[Path], list[Finding]]:
+    """Files that no format claims without those that were not fetched, and what is said of these and of lost logs."""
+    pointers = [path for path in unclaimed if is_lfs_pointer(path)]
+    findings = undescribed_logs(unclaimed)
+    if pointers:
+        message = f"{pointer_words(str(pointers[0]), len(pointers) - 1)}; left out"
+        findings.insert(0, Finding("not-fetched", "warning", message, count=len(pointers)))
+    return [path for path in unclaimed if path not in pointers], findings
 
 
 def undescribed_logs(unclaimed: Sequence[Path]) -> list[Finding]:
