@@ -106,7 +106,7 @@ def inspect(
     mapping: Path = typer.Option(None, "--mapping", help="Read the recording by this mapping file."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Show what is in a log, what is wrong with it, and what ingest would make of it.
+    """Show what is in a log, and what ingest would say of it.
 
     Lists streams with their types and rates, and what each would be read as. Makes the checks of ingest that need no
     decoded picture.
