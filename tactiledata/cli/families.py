@@ -9,7 +9,7 @@ from typing import Any
 import typer
 
 from tactiledata.cli.documents import mapping_document
-from tactiledata.cli.output import JSON_OPTION, emit, err, findings, plain, say, table
+from tactiledata.cli.output import JSON_OPTION, emit, err, findings, plain, say, say_left_alone, table
 from tactiledata.contract.extras import need_packages
 from tactiledata.contract.wording import counted
 from tactiledata.errors import TactileDataError, UsageError
@@ -106,50 +106,56 @@ def inspect(
     mapping: Path = typer.Option(None, "--mapping", help="Read the recording by this mapping file."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Show what is in a log, and what is wrong with it.
+    """Show what is in a log, and what ingest would say of it.
 
-    Lists streams with their types and rates, and what each would be read as.
+    Lists streams with their types and rates, and what each would be read as. Makes the checks of ingest that need no
+    decoded picture.
 
     Example: tactiledata inspect run3.mcap --suggest-mapping > mapping.yaml
     """
-    from tactiledata.contract.lfs_pointer import is_lfs_pointer, pointer_words
-    from tactiledata.ingest.sources.discover import find_sources
+    from tactiledata.ingest.sources.discover import find_sources, unclaimed_findings
+    from tactiledata.ingest.sources.preview import NOT_CHECKED
 
     sources, unclaimed = find_sources([path])
     document = mapping_document(mapping)
-    inspections, failed = _inspections(sources, document)
+    previews, failed = _previews(sources, document)
+    inspections = [item.inspection for item in previews]
+    left, said = unclaimed_findings(unclaimed)
     if suggest_mapping:
         _print_mapping(inspections, failed)
     elif as_json:
         emit({
-            "sources": [_document(inspection) for inspection in inspections],
+            "sources": [_document(item) for item in previews],
             "failed": [{"key": key, "error": reason} for key, reason in failed.items()],
-            "unclaimed": [str(item) for item in unclaimed],
+            "unclaimed": [str(item) for item in left],
+            "findings": [vars(finding) for finding in said],
+            "not_checked": NOT_CHECKED,
         })  # fmt: skip
     else:
-        for inspection in inspections:
-            _print_inspection(inspection)
+        for item in previews:
+            _print_preview(item)
         for key, reason in failed.items():
             say(f"{key}: cannot be read: {reason}")
-        for item in unclaimed:
-            say(pointer_words(str(item)) if is_lfs_pointer(item) else f"{item}: no format claims it")
+        say_left_alone(map(str, left))
+        findings(("", finding) for finding in said)
+        say(NOT_CHECKED)
     if failed or any(finding.severity == "damage" for inspection in inspections for finding in inspection.findings):
         raise typer.Exit(1)
 
 
-def _inspections(sources: list[Any], mapping: Any) -> tuple[list[Any], dict[str, str]]:
-    """Return the inspections of readable sources, and the reasons of unreadable ones; a single one raises it."""
-    from tactiledata.formats import FORMATS
+def _previews(sources: list[Any], mapping: Any) -> tuple[list[Any], dict[str, str]]:
+    """Return the previews of readable sources, and the reasons of unreadable ones; a single one raises it."""
+    from tactiledata.ingest.sources.preview import compared, preview
 
-    inspections, failed = [], {}
+    previews, failed = [], {}
     for source in sources:
         try:
-            inspections.append(FORMATS[source.format]().inspect(source, mapping))
+            previews.append(preview(source, mapping))
         except (TactileDataError, OSError) as error:
             if len(sources) == 1:
                 raise
             failed[source.key] = str(error)
-    return inspections, failed
+    return compared(previews), failed
 
 
 def _print_mapping(inspections: list[Any], failed: dict[str, str]) -> None:
@@ -168,8 +174,9 @@ def _print_mapping(inspections: list[Any], failed: dict[str, str]) -> None:
         )
 
 
-def _document(inspection: Any) -> dict[str, Any]:
-    """Return the inspection of one source as a JSON object."""
+def _document(item: Any) -> dict[str, Any]:
+    """Return the preview of one source as a JSON object."""
+    inspection, take = item.inspection, item.take
     return {
         "key": inspection.source.key,
         "format": inspection.source.format,
@@ -178,11 +185,15 @@ def _document(inspection: Any) -> dict[str, Any]:
         "topics": [vars(topic) for topic in inspection.topics],
         "findings": [vars(finding) for finding in inspection.findings],
         "suggested_mapping": inspection.suggested_mapping,
+        "status": item.status,
+        "trajectories": 0 if take is None else take.trajectories.num_rows,
+        "frames": 0 if take is None else take.frames.num_rows,
     }
 
 
-def _print_inspection(inspection: Any) -> None:
-    """Print facts, streams and findings of one source."""
+def _print_preview(item: Any) -> None:
+    """Print facts, streams and findings of one source, and what ingest would make of it."""
+    inspection, take = item.inspection, item.take
     source = inspection.source
     say(f"{source.key}: {source.format}, {counted(len(source.files), 'file')}")
     for line in _fact_lines(inspection.facts):
@@ -196,6 +207,9 @@ def _print_inspection(inspection: Any) -> None:
     for topic in inspection.topics:
         if topic.example:
             say(f"  {topic.name}: {topic.example}")
+    if take is not None:
+        made = f"{counted(take.trajectories.num_rows, 'trajectory')} and {counted(take.frames.num_rows, 'frame')}"
+        say(f"  ingest would make: {made}, status {item.status}")
     findings(("", finding) for finding in inspection.findings)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +9,7 @@ import typer
 
 from tactiledata.cli.documents import mapping_document
 from tactiledata.cli.next_steps import first_split, stale_split
-from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say, table
+from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say, say_left_alone, table
 from tactiledata.cli.task_options import SCHEDULER, WORKERS
 from tactiledata.contract.wording import counted
 from tactiledata.errors import UsageError
@@ -75,14 +74,6 @@ def _store_here() -> str:
     return stores[0] if stores else "ds.zarr"
 
 
-def _by_folder(paths: Iterable[str]) -> dict[str, list[str]]:
-    """Return the names of files by their folders."""
-    folders: dict[str, list[str]] = {}
-    for path in map(Path, paths):
-        folders.setdefault(str(path.parent), []).append(path.name)
-    return folders
-
-
 def _print(report: Any) -> None:
     """Print what was done with each recording, the findings, the counts and the next step."""
     words = {"added": "added", "replaced": "replaced", "present": "already there", "failed": "not read"}
@@ -101,9 +92,7 @@ def _print(report: Any) -> None:
         if source.error:
             say(f"  not read {source.key}: {source.error}")
     # files that are no recordings
-    for folder, names in _by_folder(report.unclaimed).items():
-        listed = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if names[3:] else "")
-        say(f"  left alone in {folder}: {listed}; no format claims them")
+    say_left_alone(report.unclaimed)
     # counts, and what to do next
     counts = {state: sum(source.state == state for source in report.sources) for state in ("added", "replaced")}
     replaced = f", {counts['replaced']} replaced in it" if counts["replaced"] else ""

@@ -8,6 +8,7 @@ import sys
 import time
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
@@ -54,6 +55,16 @@ def plain(text: str) -> str:
 def say(text: str) -> None:
     """Print a sentence for people on standard output."""
     out().print(plain(text))
+
+
+def say_left_alone(paths: Iterable[str]) -> None:
+    """Print the names of files that no format claims, folder by folder."""
+    folders: dict[str, list[str]] = {}
+    for path in map(Path, paths):
+        folders.setdefault(str(path.parent), []).append(path.name)
+    for folder, names in folders.items():
+        listed = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if names[3:] else "")
+        say(f"  left alone in {folder}: {listed}; no format claims them")
 
 
 def emit(document: Any) -> None:

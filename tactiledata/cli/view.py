@@ -40,6 +40,7 @@ def view(
     ),
     web: bool = typer.Option(False, "--web", help="Serve the viewer to a browser of this machine, until Ctrl-C."),
     port: int = typer.Option(9090, "--port", help="With --web: port of the page; 0 for any that is free."),
+    narrow: bool = typer.Option(False, "--narrow", help="Stack the panes in tabs, for a phone or a narrow window."),
     as_json: bool = JSON_OPTION,
 ) -> None:
     """Look at trajectories on one time line.
@@ -65,7 +66,9 @@ def view(
         raise UsageError("--web with --json", "one of them", "--json writes the file alone.")
     if window:
         need_display(out)
-    options = ViewOptions(tuple(names), sensor, indenter, flagged, most, stride, pictures, mesh)
+    options = ViewOptions(
+        tuple(names), sensor, indenter, flagged, most, stride=stride, pictures=pictures, mesh=mesh, narrow=narrow
+    )
     with damage_explains(location), progress("writing", quiet=as_json) as report_progress:
         report = write_view(Store.open(location), out, options, report_progress)
     if as_json:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar
 
-from tactiledata.contract.records import Finding, ImageSink, Recording, Source
+from tactiledata.contract.records import Finding, Image, ImageSink, Recording, Source
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,9 @@ class Inspection:
     """What a source holds.
 
     ``suggested_mapping`` is a document that fits ``schemas/mapping.json``; ``None`` where the format needs no mapping.
-    ``suggested_text`` is the same as YAML, with remarks and alternatives in comments.
+    ``suggested_text`` is the same as YAML, with remarks and alternatives in comments. ``recording`` is what
+    `read` would give, from which ingest's checks are made; ``None`` where the format does not give it here, or `read`
+    would refuse.
     """
 
     source: Source
@@ -61,6 +63,14 @@ class Inspection:
     facts: Mapping[str, Any] = field(default_factory=dict)
     suggested_mapping: Mapping[str, Any] | None = None
     suggested_text: str = ""
+    recording: Recording | None = None
+
+
+class NoSink:
+    """Takes pictures that nobody wants to keep."""
+
+    def add(self, image: Image) -> None:
+        """Let it go."""
 
 
 class Format(ABC):
@@ -76,6 +86,11 @@ class Format(ABC):
     """One or more lines that show how the files lie, for `tactiledata formats` and the docs."""
     licence_note: ClassVar[str] = ""
     """What a user of a public corpus must know before redistributing."""
+    judges_whole_folders: ClassVar[bool] = False
+    """Whether `sniff` claims a folder only where all that lies in it may lie beside recordings of this format. Of a
+    folder that another format claims, what lies beside its recordings is searched for others."""
+    takes_subfolders: ClassVar[bool] = True
+    """Whether a folder that is a recording takes the folders below it; else they are searched for others."""
 
     @abstractmethod
     def sniff(self, path: Path) -> bool:
@@ -104,5 +119,17 @@ class Format(ABC):
         """
 
     @abstractmethod
-    def inspect(self, source: Source, mapping: Mapping[str, Any] | None = None) -> Inspection:
-        """What the source holds, for a person who wonders what is in a file."""
+    def inspect(
+        self, source: Source, mapping: Mapping[str, Any] | None = None, sink: ImageSink | None = None
+    ) -> Inspection:
+        """What the source holds, for a person who wonders what is in a file.
+
+        Parameters
+        ----------
+        source : Source
+            One of `sources`.
+        mapping : dict, optional
+            A document that fits ``schemas/mapping.json``.
+        sink : ImageSink, optional
+            Takes the images in their order; those that were not opened come without bytes.
+        """

@@ -61,6 +61,7 @@ class ImageFolderFormat(CorpusFormat):
 
     name = "image_folder"
     says_links = False
+    takes_subfolders = False
     title = "folder of images"
     layout = """
 <folder>/*.png|jpg      one frame each, in natural order

@@ -122,7 +122,7 @@ class SparshForceFormat(CorpusFormat):
         description = describe(
             source, mapping, {sensor: SENSORS[kind]}, "Sparsh force estimation", "see the data set's card"
         )
-        references = {} if intake.is_looking else _reference(images, in_contact, sensor)
+        references = _reference(images, in_contact, sensor)
         return self.finish(source, intake, description, touches, references=references)
 
 

@@ -109,7 +109,7 @@ ssvtp/{images_tac/image_<n>_tac.jpg, images_rgb/image_<n>_rgb.jpg, text/labels_<
             extra: dict[str, Any] = {"part": name, "captions": json.dumps(sequence.captions, ensure_ascii=False)}
             extra |= {"modality_swapped": 1} if any(_homes(pair) in swapped for pair in sequence.pairs) else {}
             touches.append(Trajectory(touch, *timeline.interval(), sensor, "", extra))
-        references = {} if intake.is_looking else _reference(folder, pairs, sensor, swapped, intake)
+        references = _reference(folder, pairs, sensor, swapped, intake)
         models = {sensor: "digit", beside(sensor, "vision"): "camera"}
         description = describe(source, mapping, models, f"TVL {name}", self.licence_note)
         return self.finish(source, intake, description, touches, references=references)

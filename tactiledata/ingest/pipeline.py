@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from tactiledata.compute import make_scheduler
 from tactiledata.compute.base import Outcome
-from tactiledata.contract.lfs_pointer import is_lfs_pointer, pointer_words
 from tactiledata.contract.progress import Progress
 from tactiledata.contract.provenance import digest_of, file_digest, files_digest
 from tactiledata.contract.records import Finding, Recording, Source
@@ -28,7 +27,7 @@ from tactiledata.ingest.checks.conflicts import conflict_findings
 from tactiledata.ingest.checks.spooled import SpooledImages
 from tactiledata.ingest.checks.twins import twin_findings
 from tactiledata.ingest.clocks.lag import camera_lag
-from tactiledata.ingest.sources.discover import find_sources, undescribed_logs
+from tactiledata.ingest.sources.discover import find_sources, unclaimed_findings
 from tactiledata.ingest.sources.replacing import replace_recordings
 from tactiledata.ingest.sources.reports import IngestReport, SourceReport, report_of
 from tactiledata.ingest.trajectories.assemble import IngestOptions, assemble
@@ -121,13 +120,8 @@ def ingest(
             commit_groups(folder, _staged_takes(outcomes, set(present), otherwise, reports))
         reports = _compared(reports, folder)
         recover(folder)  # copies of what was committed need not wait
-    pointers = [path for path in unclaimed if is_lfs_pointer(path)]
-    if pointers:
-        message = f"{pointer_words(str(pointers[0]), len(pointers) - 1)}; left out"
-        findings.append(Finding("not-fetched", "warning", message, count=len(pointers)))
-    findings += undescribed_logs(unclaimed)
-    left = tuple(str(path) for path in unclaimed if path not in pointers)
-    report = IngestReport(str(store), tuple(reports), left, tuple(findings))
+    left, said = unclaimed_findings(unclaimed)
+    report = IngestReport(str(store), tuple(reports), tuple(map(str, left)), (*findings, *said))
     return dataclasses.replace(report, stale_splits=tuple(splits)) if report.changed else report
 
 

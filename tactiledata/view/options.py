@@ -32,6 +32,8 @@ class ViewOptions:
         Largest number of frames of one trajectory that are shown, of each camera; 0 for all.
     mesh : str, optional
         Name of a mesh; by default the most faithful one of the store.
+    narrow : bool
+        Whether panes are stacked in tabs, each as wide as the screen, for a phone or a narrow window.
     """
 
     names: tuple[str, ...] = ()
@@ -42,6 +44,7 @@ class ViewOptions:
     stride: int = 1
     pictures: int = MOST_PICTURES
     mesh: str | None = None
+    narrow: bool = False
 
     def __post_init__(self) -> None:
         for name, least in (("most", 0), ("stride", 1), ("pictures", 0)):

@@ -38,8 +38,39 @@ def panes(cameras: Collection[str], curves: Collection[str], with_gel: bool) -> 
     words = rrb.TextDocumentView(origin=ABOUT, name="about")
     right = rrb.Vertical(_gel(), words, row_shares=[3, 2]) if with_gel else rrb.Vertical(words)
     sides = [rrb.Vertical(*left), right] if left else [right]
+    return _blueprint(rrb.Horizontal(*sides, column_shares=[2, 1] if left else None))
+
+
+def stacked_panes(cameras: Collection[str], curves: Collection[str], with_gel: bool) -> Any:
+    """The blueprint for a narrow screen: tabs of pictures above, tabs of curves below them, then the gel and the words.
+
+    Every pane is as wide as the screen.
+
+    Parameters
+    ----------
+    cameras : collection of str
+        Cameras of the trajectories that are shown.
+    curves : collection of str
+        Entities that have curves.
+    with_gel : bool
+        Whether any trajectory has a mesh.
+    """
+    import rerun.blueprint as rrb
+
+    load_rerun()
+    several = len(cameras) > 1
+    pictures = [view for camera in sorted(cameras) for view in _picture_views(camera, camera if several else "")]
+    last = [*([_gel()] if with_gel else []), rrb.TextDocumentView(origin=ABOUT, name="about")]
+    rows = [views for views in (pictures, list(_plot_views(curves).values()), last) if views]
+    return _blueprint(rrb.Vertical(*[rrb.Tabs(*views) if len(views) > 1 else views[0] for views in rows]))
+
+
+def _blueprint(arranged: Any) -> Any:
+    """The panes with the panels of the viewer beside them, which are folded away."""
+    import rerun.blueprint as rrb
+
     return rrb.Blueprint(
-        rrb.Horizontal(*sides, column_shares=[2, 1] if left else None),
+        arranged,
         rrb.TimePanel(timeline=TRAJECTORY_TIME, state="collapsed"),
         rrb.SelectionPanel(state="collapsed"),
         auto_views=False,
@@ -49,17 +80,31 @@ def panes(cameras: Collection[str], curves: Collection[str], with_gel: bool) -> 
 def _pictures(camera: str) -> list[Any]:
     import rerun.blueprint as rrb
 
+    picture, difference, mask, without = _picture_views(camera)
+    return [rrb.Tabs(picture, without), difference, mask]
+
+
+def _picture_views(camera: str, prefix: str = "") -> list[Any]:
+    """Views of the picture, the difference, the contact mask and the sensor without contact."""
+    import rerun.blueprint as rrb
+
     entity = camera_entity(camera)
-    views = [
-        rrb.Spatial2DView(origin=entity, contents=[f"{entity}/{PICTURES}"], name="picture"),
-        rrb.Spatial2DView(origin=entity, contents=[f"{entity}/{DIFFERENCE}"], name="difference ×2, grey is none"),
-        rrb.Spatial2DView(origin=entity, contents=[f"{entity}/{PICTURES}", f"{entity}/{CONTACT}"], name="contact mask"),
+    shown = {
+        "picture": [PICTURES],
+        "difference ×2, grey is none": [DIFFERENCE],
+        "contact mask": [PICTURES, CONTACT],
+        "without contact": [BACKGROUND],
+    }
+    return [
+        rrb.Spatial2DView(
+            origin=entity, contents=[f"{entity}/{part}" for part in parts], name=f"{prefix} {name}".strip()
+        )
+        for name, parts in shown.items()
     ]
-    without = rrb.Spatial2DView(origin=entity, contents=[f"{entity}/{BACKGROUND}"], name="without contact")
-    return [rrb.Tabs(views[0], without), *views[1:]]
 
 
-def _plots(curves: Collection[str]) -> list[Any]:
+def _plot_views(curves: Collection[str]) -> dict[str, Any]:
+    """Views of the curves that there are, by entity."""
     import rerun.blueprint as rrb
 
     names = {
@@ -70,11 +115,17 @@ def _plots(curves: Collection[str]) -> list[Any]:
         OTHERS: "other signals",
     }
     legend = rrb.Corner2D.LeftTop
-    view = {
+    return {
         name: rrb.TimeSeriesView(origin=name, name=title, plot_legend=legend)
         for name, title in names.items()
         if name in curves
     }
+
+
+def _plots(curves: Collection[str]) -> list[Any]:
+    import rerun.blueprint as rrb
+
+    view = _plot_views(curves)
     forces = [view[name] for name in (FORCE, TORQUE) if name in view]
     poses = [view[name] for name in (POSE, OTHERS) if name in view]
     groups = [forces, [view[RESIDUAL]] if RESIDUAL in view else [], poses]

@@ -33,7 +33,7 @@ from tactiledata.view.chosen import chosen_trajectories
 from tactiledata.view.curves import put_curves
 from tactiledata.view.gel import put_gel, shown_mesh
 from tactiledata.view.options import ViewOptions
-from tactiledata.view.panes import panes
+from tactiledata.view.panes import panes, stacked_panes
 from tactiledata.view.pictures import put_pictures
 from tactiledata.view.rerun_package import load_rerun
 from tactiledata.view.touch import TouchReader, ViewedTouch
@@ -159,7 +159,7 @@ def write_view(
             if progress is not None:
                 progress(done, len(rows), touch.name)
         layout = folder / "panes.rbl"
-        _write_layout(layout, store, shown)
+        _write_layout(layout, store, shown, options.narrow)
         # the viewer shows what it read last
         _join([layout, *reversed(parts)], folder / "joined.rrd", out)
     return _report(out, shown, found, mesh)
@@ -228,11 +228,12 @@ def _properties(touch: ViewedTouch, store: Store, made: dict[str, Any]) -> Any:
     )
 
 
-def _write_layout(path: Path, store: Store, shown: Sequence[_Shown]) -> None:
+def _write_layout(path: Path, store: Store, shown: Sequence[_Shown], narrow: bool) -> None:
     """Write the layout of the screen, which serves all trajectories."""
     cameras = {camera for part in shown for camera in part.cameras}
     curves = {entity for part in shown for entity in part.curves}
-    panes(cameras, curves, any(part.meshes for part in shown)).save(_application(store), str(path))
+    arrange = stacked_panes if narrow else panes
+    arrange(cameras, curves, any(part.meshes for part in shown)).save(_application(store), str(path))
 
 
 def _join(parts: Collection[Path], joined: Path, out: Path) -> None:

@@ -49,7 +49,9 @@ class PressLogFormat(Format):
         wrench = Signal("wrench", stamps, values, ("fx", "fy", "fz", "tx", "ty", "tz"))
         return Recording(source, LogDescription(), {"wrench": wrench}, findings=tuple(findings))
 
-    def inspect(self, source, mapping=None):
-        """How many samples there are."""
-        lines = len(Path(source.path).read_text(encoding="utf-8").splitlines()) - 1
-        return Inspection(source, (TopicInfo("forces", "t_ns fz", "text", lines, role="wrench"),))
+    def inspect(self, source, mapping=None, sink=None):
+        """How many samples there are; with the recording, `tactiledata inspect` says what ingest would make of it."""
+        recording = self.read(source, sink, mapping)
+        samples = len(recording.signals["wrench"].values)
+        streams = (TopicInfo("forces", "t_ns fz", "text", samples, role="wrench"),)
+        return Inspection(source, streams, recording.findings, recording=recording)

@@ -11,6 +11,7 @@ from tactiledata.contract.description import LOG_FORMAT, LogDescription
 from tactiledata.contract.records import ImageSink, Recording, Source
 from tactiledata.contract.schema import read_document
 from tactiledata.errors import BrokenLog, SchemaError
+from tactiledata.formats.base import Inspection, NoSink
 from tactiledata.formats.folder.files import DESCRIPTION, TABLES, LogFolder, is_folder_log
 from tactiledata.formats.folder.frames import FrameReader, SizeWatch, mapped_cameras
 from tactiledata.formats.folder.signals import read_signals
@@ -70,9 +71,27 @@ class FolderFormat(CorpusFormat):
             A mapping document; it names cameras and describes the log.
         """
         watch = SizeWatch(sink)
-        recording = self.record(source, Intake(watch), mapping)
-        sizes = size_findings(recording.references, watch.sizes)
-        return replace(recording, findings=(*recording.findings, *sizes))
+        return _with_sizes(self.record(source, Intake(watch), mapping), watch)
+
+    def inspect(
+        self, source: Source, mapping: Mapping[str, Any] | None = None, sink: ImageSink | None = None
+    ) -> Inspection:
+        """What the log holds, with what is said of the sizes of the images that were opened.
+
+        Parameters
+        ----------
+        source : Source
+            One of `sources`.
+        mapping : dict, optional
+            A document that fits ``schemas/mapping.json``.
+        sink : ImageSink, optional
+            Takes the images in their order; those that were not opened come without bytes.
+        """
+        watch = SizeWatch(NoSink() if sink is None else sink)
+        inspection = super().inspect(source, mapping, watch)
+        assert inspection.recording is not None
+        recording = _with_sizes(inspection.recording, watch)
+        return replace(inspection, findings=recording.findings, recording=recording)
 
     def record(self, source: Source, intake: Intake, mapping: Mapping[str, Any] | None) -> Recording:
         """The recording, its images given to the intake.
@@ -118,6 +137,12 @@ class FolderFormat(CorpusFormat):
     def _source(self, named: Path, log: Path) -> Source:
         files = tuple(str(path) for path in LogFolder(log).belonging())
         return Source(str(log), key_of(named.absolute(), log.absolute()), self.name, files)
+
+
+def _with_sizes(recording: Recording, watch: SizeWatch) -> Recording:
+    """The recording with what is said of backgrounds whose size is not that of their sensor's images."""
+    sizes = size_findings(recording.references, watch.sizes)
+    return replace(recording, findings=(*recording.findings, *sizes))
 
 
 def _description(folder: LogFolder, mapping: Mapping[str, Any]) -> LogDescription:

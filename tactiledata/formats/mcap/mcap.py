@@ -10,10 +10,10 @@ from typing import Any, Literal
 from mcap.records import Channel, Schema
 
 from tactiledata.contract.description import LogDescription
-from tactiledata.contract.records import Finding, Image, ImageSink, Recording, Source
+from tactiledata.contract.records import Finding, ImageSink, Recording, Source
 from tactiledata.contract.schema import check_document
 from tactiledata.errors import BrokenLog
-from tactiledata.formats.base import Format, Inspection
+from tactiledata.formats.base import Format, Inspection, NoSink
 from tactiledata.formats.mcap.bags import bag_sources, files_of, is_bag_file, is_bag_folder
 from tactiledata.formats.mcap.decode import kind_of
 from tactiledata.formats.mcap.describe import backgrounds_of, description_of
@@ -26,6 +26,7 @@ from tactiledata.formats.mcap.roles import IMAGE_KINDS, ImageRole, Roles, Topic,
 from tactiledata.formats.mcap.survey import Survey, survey
 from tactiledata.formats.mcap.tally import Tally
 from tactiledata.formats.mcap.unread_topics import Glimpse
+from tactiledata.formats.reading.backgrounds import Backgrounds
 from tactiledata.formats.reading.described import described_trajectories
 
 HostClock = Literal["log", "publish", "header", "auto"]
@@ -40,6 +41,7 @@ class McapFormat(Format):
 run.yaml                       or in a document beside it (schemas/log.json)
 bag/metadata.yaml              a rosbag2 folder: its files are one recording
 bag/bag_0.mcap, bag_1.mcap …"""
+    judges_whole_folders = True
 
     def sniff(self, path: Path) -> bool:
         """Whether a file is an MCAP (or a bag that must become one), or a folder a bag or a collection of bags."""
@@ -90,54 +92,79 @@ bag/bag_0.mcap, bag_1.mcap …"""
         if reading.is_empty:
             raise _nothing_read(source, findings)
         backgrounds = backgrounds_of(path, inventories, description)
-        clock: HostClock = (mapping or {}).get("clock", "auto")
-        return Recording(
-            source,
-            description,
-            reading.signals(),
-            tuple(described_trajectories(description)),
-            (*findings, *backgrounds.findings),
-            clock,
-            backgrounds.references,
-            backgrounds.origins,
-        )
+        return _recording(source, description, reading, findings, backgrounds, mapping)
 
-    def inspect(self, source: Source, mapping: Mapping[str, Any] | None = None) -> Inspection:
-        """All topics with a message of each, and what `read` would take of them; reads the whole bag."""
+    def inspect(
+        self, source: Source, mapping: Mapping[str, Any] | None = None, sink: ImageSink | None = None
+    ) -> Inspection:
+        """All topics with a message of each, and what `read` would take of them; reads the whole bag.
+
+        Parameters
+        ----------
+        source : Source
+            One of `sources`.
+        mapping : dict, optional
+            A document that fits ``schemas/mapping.json``.
+        sink : ImageSink, optional
+            Takes the images in their order.
+        """
         inventories, findings = _surveys(source, mapping)
         path = Path(source.path)
         description, said = description_of(path, inventories, mapping)
         decoders = Decoders()
         topics = _topics(inventories, decoders)
         roles = roles_of(topics, mapping)
-        reading, tally = Reading(roles, decoders, _NoSink(), description), Tally(decoders.reason)
+        reading = Reading(roles, decoders, NoSink() if sink is None else sink, description)
+        tally = Tally(decoders.reason)
         for inventory in inventories:
             findings += Playback(inventory, _both(tally.handler_for(inventory, decoders.get), reading)).run()
         reading.check_fields()
         draft = _draft(topics, roles, tally.glimpses(), description)
-        return Inspection(
-            source,
-            tally.topics(roles, reading.counts()),
-            (
-                *findings,
-                *said,
-                *roles.findings,
-                *passed_over(topics, roles, _counts(inventories), _stated(mapping)),
-                *reading.findings(),
-                *_mixed_frames(reading),
-                *backgrounds_of(path, inventories, description).findings,
-            ),
-            _facts(inventories, tally, description),
-            draft.document,
-            draft.text,
-        )
+        left = passed_over(topics, roles, _counts(inventories), _stated(mapping))
+        findings += [*said, *roles.findings, *left, *reading.findings()]
+        backgrounds = backgrounds_of(path, inventories, description)
+        recording = None
+        if reading.is_idle or reading.is_empty:
+            nothing = _nothing_read(source, findings)
+            refusal = _nothing_to_read(source, inventories, decoders, roles) if reading.is_idle else nothing
+            findings.append(Finding("would-not-be-read", "warning", f"ingest would not read it: {refusal}"))
+        else:
+            try:
+                recording = _recording(source, description, reading, findings, backgrounds, mapping)
+            except BrokenLog as error:
+                findings.append(Finding("mixed-frames", "damage", str(error)))
+        said_of_all = (*findings, *backgrounds.findings)
+        facts = _facts(inventories, tally, description)
+        streams = tally.topics(roles, reading.counts())
+        return Inspection(source, streams, said_of_all, facts, draft.document, draft.text, recording=recording)
 
 
-class _NoSink:
-    """Takes pictures that nobody wants to keep."""
+def _recording(
+    source: Source,
+    description: LogDescription,
+    reading: Reading,
+    findings: Sequence[Finding],
+    backgrounds: Backgrounds,
+    mapping: Mapping[str, Any] | None,
+) -> Recording:
+    """The recording of what was read.
 
-    def add(self, image: Image) -> None:
-        """Let it go."""
+    Raises
+    ------
+    BrokenLog
+        A signal's samples are expressed in different frames, and nothing says which one is meant.
+    """
+    clock: HostClock = (mapping or {}).get("clock", "auto")
+    return Recording(
+        source,
+        description,
+        reading.signals(),
+        tuple(described_trajectories(description)),
+        (*findings, *backgrounds.findings),
+        clock,
+        backgrounds.references,
+        backgrounds.origins,
+    )
 
 
 def _both(look: Callable[[Channel, Schema | None], Handler], reading: Reading) -> HandlerFor:
@@ -148,15 +175,6 @@ def _both(look: Callable[[Channel, Schema | None], Handler], reading: Reading) -
         return spread([taker for taker in takers if taker is not None])
 
     return handler_for
-
-
-def _mixed_frames(reading: Reading) -> list[Finding]:
-    """The reason for which `read` would refuse a recording whose signals mix frames."""
-    try:
-        reading.signals()
-    except BrokenLog as error:
-        return [Finding("mixed-frames", "damage", str(error))]
-    return []
 
 
 def _surveys(source: Source, mapping: Mapping[str, Any] | None) -> tuple[list[Survey], list[Finding]]:

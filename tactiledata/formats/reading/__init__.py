@@ -6,4 +6,5 @@
   read without running code.
 - ``backgrounds``, ``described``: pictures without contact and trajectories that a description names.
 - ``natural_order``, ``links``, ``modality``, ``optitrack``, ``contact_radius``, ``stream_rate``: one question each.
+- ``stream_info``: what `tactiledata inspect` says of a camera or a signal.
 """

@@ -19,11 +19,11 @@ from tactiledata.contract.records import ImageSink, Recording, Signal, Source, T
 from tactiledata.contract.simulated import Kind
 from tactiledata.contract.wording import listed
 from tactiledata.errors import BrokenLog, MissingFile, UsageError
-from tactiledata.formats.base import Format, Inspection, TopicInfo
+from tactiledata.formats.base import Format, Inspection, NoSink, TopicInfo
 from tactiledata.formats.reading.intake import Intake, Payload
 from tactiledata.formats.reading.links import links_below
 from tactiledata.formats.reading.natural_order import natural_key
-from tactiledata.formats.reading.stream_rate import has_times, rate_of
+from tactiledata.formats.reading.stream_info import camera_info, signal_info
 
 SECOND = 10**9
 """Nanoseconds."""
@@ -233,12 +233,24 @@ class CorpusFormat(Format):
         """
         return self.record(source, Intake(sink), mapping)
 
-    def inspect(self, source: Source, mapping: Mapping[str, Any] | None = None) -> Inspection:
-        """What the source holds; image files are counted, the first of each camera is opened."""
-        intake = Intake(None)
+    def inspect(
+        self, source: Source, mapping: Mapping[str, Any] | None = None, sink: ImageSink | None = None
+    ) -> Inspection:
+        """What the source holds; image files are counted, the first ones of each camera are opened.
+
+        Parameters
+        ----------
+        source : Source
+            One of `sources`.
+        mapping : dict, optional
+            A document that fits ``schemas/mapping.json``.
+        sink : ImageSink, optional
+            Takes the images in their order; those that were not opened come without bytes.
+        """
+        intake = Intake(NoSink() if sink is None else sink, is_looking=True)
         recording = self.record(source, intake, mapping)
-        cameras = [_camera_info(name, *facts) for name, facts in intake.cameras.items()]
-        signals = [_signal_info(signal) for signal in recording.signals.values()]
+        cameras = [camera_info(name, *facts) for name, facts in intake.cameras.items()]
+        signals = [signal_info(signal) for signal in recording.signals.values()]
         values = [
             TopicInfo(name, "values of images", "", int(np.isfinite(kept.values).any(axis=1).sum()), note=kept.note)
             for name, kept in recording.frame_values.items()
@@ -248,8 +260,9 @@ class CorpusFormat(Format):
             "sensors": sorted(recording.description.sensors),
             "indenters": sorted({touch.indenter for touch in recording.trajectories if touch.indenter}),
             "licence": self.licence_note,
+            **({"pictures not opened": intake.not_opened()} if intake.not_opened() else {}),
         }
-        return Inspection(source, (*cameras, *signals, *values), recording.findings, facts)
+        return Inspection(source, (*cameras, *signals, *values), recording.findings, facts, recording=recording)
 
     def finish(
         self,
@@ -326,15 +339,3 @@ def _note_links(source: Source, intake: Intake) -> None:
         are = "is a link, which is" if len(links) == 1 else "are links, which are"
         text = f"{listed(links, 5)} {are} not followed; fetch or copy the files into the folder"
         intake.note("link-left", "warning", text, count=len(links))
-
-
-def _camera_info(name: str, count: int, first: int, last: int, example: str) -> TopicInfo:
-    rate, timed = rate_of(count, first, last), has_times(count, first, last)
-    return TopicInfo(name, "images", "", count, rate, f"image:{name}", "", example, timed)
-
-
-def _signal_info(signal: Signal) -> TopicInfo:
-    stamps = signal.stamps.log
-    first, last = (int(stamps[0]), int(stamps[-1])) if len(stamps) else (0, 0)
-    rate, timed = rate_of(len(stamps), first, last), has_times(len(stamps), first, last)
-    return TopicInfo(signal.name, ", ".join(signal.columns), "", len(stamps), rate, signal.name, has_times=timed)

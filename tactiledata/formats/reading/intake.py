@@ -24,6 +24,9 @@ from tactiledata.errors import BrokenLog
 MEMORY_LIMIT = 64 * 2**20
 """Bytes of values of one kind beyond which they wait in a temporary file instead of in memory."""
 
+MOST_OPENED = 200
+"""Images of each camera that `inspect` opens: a small recording wholly, and little of a corpus."""
+
 Payload = Callable[[], "bytes | NDArray[np.uint8]"]
 """What gives an image's bytes as they came, or its pixels (H, W, 3), RGB, when it is called."""
 
@@ -85,21 +88,20 @@ class Intake:
 
     Parameters
     ----------
-    sink : ImageSink, optional
-        Where images go; without one they are counted and only the first of each camera is opened (`inspect`).
+    sink : ImageSink
+        Where images go.
+    is_looking : bool
+        Whether only the first ``MOST_OPENED`` images of each camera are opened (`inspect`); the others go to the sink
+        without bytes, with the kind and size of the one before.
     """
 
-    def __init__(self, sink: ImageSink | None) -> None:
-        self._sink = sink
+    def __init__(self, sink: ImageSink, is_looking: bool = False) -> None:
+        self._sink, self._is_looking = sink, is_looking
+        self._opened: dict[str, Image] = {}
         self._findings: dict[tuple[str, str, str], Finding] = {}
         self._columns: dict[str, _Column] = {}
         self.cameras: dict[str, list[Any]] = {}  # name -> [images, first time, last time, example]
         self.images = 0
-
-    @property
-    def is_looking(self) -> bool:
-        """Whether images are only counted."""
-        return self._sink is None
 
     def note(
         self, code: str, severity: Severity, message: str, stream: str = "", trajectory: str = "", count: int = 1
@@ -190,13 +192,20 @@ class Intake:
         seen[0] += 1
         seen[2] = t_ns
         self.images += 1
-        if self.is_looking and seen[0] > 1:
+        if self._is_looking and seen[0] > MOST_OPENED and payload is not None:
+            opened = self._opened.get(camera, Image(camera, b"", "missing", 0, 0, t_ns))
+            self._sink.add(replace(opened, log_ns=t_ns, sensor=sensor, trajectory=trajectory, name=name))
             return
         image = self._made(camera, payload, t_ns, sensor, trajectory, name)
         if seen[0] == 1:
             seen[3] = f"{image.encoding} {image.height} x {image.width}, {name}"
-        if self._sink is not None:
-            self._sink.add(image)
+        if image.payload and self._is_looking:
+            self._opened[camera] = replace(image, payload=b"")
+        self._sink.add(image)
+
+    def not_opened(self) -> int:
+        """How many images went to the sink unopened."""
+        return sum(max(seen[0] - MOST_OPENED, 0) for seen in self.cameras.values()) if self._is_looking else 0
 
     def _made(self, camera: str, payload: Payload | None, t_ns: int, sensor: str, trajectory: str, name: str) -> Image:
         missing = Image(camera, b"", "missing", 0, 0, t_ns, sensor=sensor, trajectory=trajectory, name=name)

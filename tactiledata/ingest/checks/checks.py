@@ -51,15 +51,23 @@ def broken_images(images: SpooledImages) -> tuple[NDArray[np.int64], list[Findin
     """
     encodings = images.columns["encoding"].to_pylist()
     broken: list[int] = []
-    for encoding, trailer in TRAILERS.items():
+    for encoding in TRAILERS:
         rows = [row for row, name in enumerate(encodings) if name == encoding]
         tails = images.tails(rows, TRAILER_BYTES)
-        broken.extend(row for row, tail in zip(rows, tails, strict=True) if trailer not in tail)
-    if not broken:
-        return np.zeros(0, np.int64), []
-    end = agreeing(len(broken), "ends", "end")
-    text = f"{counted(len(broken), 'image')} {end} too early; what came is kept, and training leaves it out"
-    return np.array(sorted(broken)), [Finding("image-truncated", "damage", text, count=len(broken))]
+        broken.extend(row for row, tail in zip(rows, tails, strict=True) if ends_early(encoding, tail))
+    return np.array(sorted(broken), np.int64), [broken_finding(len(broken))] if broken else []
+
+
+def ends_early(encoding: str, content: bytes) -> bool:
+    """Whether an encoded image, or its last bytes, lack the mark that a whole file of its encoding ends with."""
+    return encoding in TRAILERS and TRAILERS[encoding] not in content[-TRAILER_BYTES:]
+
+
+def broken_finding(count: int) -> Finding:
+    """What is said of this many images that end too early."""
+    end = agreeing(count, "ends", "end")
+    text = f"{counted(count, 'image')} {end} too early; what came is kept, and training leaves it out"
+    return Finding("image-truncated", "damage", text, count=count)
 
 
 def flag_images(frames: pa.Table, order: NDArray[np.int64], rows: NDArray[np.int64], flag: int) -> pa.Table:
@@ -125,6 +133,16 @@ def _picture_findings(take: Take, decode: Decode) -> list[Finding]:
         swapped = channel_findings(sensor, images, take, model)
         # pictures whose channels are swapped differ everywhere
         found.extend(swapped or touched_findings(sensor, take, decode))
+    return found
+
+
+def stated_size_findings(take: Take) -> list[Finding]:
+    """Findings on the sizes that the heads of images state, for a take whose images were not decoded."""
+    found: list[Finding] = []
+    for sensor, counts in sorted(size_counts(take.frames).items()):
+        known = SENSORS.get(take.sensors.get(sensor, {}).get("model", "digit"))
+        if known is not None and known.camera is not None:
+            found.extend(_size_findings(sensor, counts, known, known.camera.shape))
     return found
 
 

@@ -6,7 +6,7 @@ of one sensor overlap in time between two recordings, these are twins.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 from tactiledata.contract.records import Finding
 from tactiledata.store.read.reader import Store
@@ -33,14 +33,19 @@ def twin_findings(store: Store, digests: Iterable[str]) -> dict[str, Finding]:
     found = {}
     for row, others in sorted(pairs.items()):
         if sources[row]["sha256"] in asked:
-            names = [f"{sources[other]['key']} ({count})" for other, count in sorted(others.items())]
-            listed = ", ".join(names[:3]) + (f" and {len(names) - 3} more recordings" if names[3:] else "")
-            text = (
-                f"trajectories of the same sensor at the same time are in other recordings too: {listed}. "
-                "One may be an edited or a damaged copy of the other; keep one of them"
-            )
-            found[sources[row]["sha256"]] = Finding("recording-twin", "warning", text, count=sum(others.values()))
+            found[sources[row]["sha256"]] = twin_finding([source["key"] for source in sources], others)
     return found
+
+
+def twin_finding(keys: Sequence[str], others: Mapping[int, int]) -> Finding:
+    """What is said of a recording that has twins: ``others`` counts shared trajectories by row, ``keys`` has names."""
+    names = [f"{keys[other]} ({count})" for other, count in sorted(others.items())]
+    listed = ", ".join(names[:3]) + (f" and {len(names) - 3} more recordings" if names[3:] else "")
+    text = (
+        f"trajectories of the same sensor at the same time are in other recordings too: {listed}. "
+        "One may be an edited or a damaged copy of the other; keep one of them"
+    )
+    return Finding("recording-twin", "warning", text, count=sum(others.values()))
 
 
 def overlaps(touches: Iterable[Mapping[str, object]]) -> Pairs:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from tactiledata.contract.lfs_pointer import is_lfs_pointer, not_fetched
+from tactiledata.contract.lfs_pointer import is_lfs_pointer, not_fetched, pointer_words
 from tactiledata.contract.records import Finding, Source
 from tactiledata.errors import BrokenLog, MissingFile, TactileDataError, UsageError
 from tactiledata.formats import FORMATS
@@ -66,6 +66,16 @@ def find_sources(paths: Sequence[Path], format_name: str | None = None) -> tuple
         unclaimed.extend(left)
     used = {name for source in sources for name in source.files}
     return _unique_keys(sources), [path for path in unclaimed if str(path) not in used]
+
+
+def unclaimed_findings(unclaimed: Sequence[Path]) -> tuple[list[Path], list[Finding]]:
+    """Files that no format claims without those that were not fetched, and what is said of these and of lost logs."""
+    pointers = [path for path in unclaimed if is_lfs_pointer(path)]
+    findings = undescribed_logs(unclaimed)
+    if pointers:
+        message = f"{pointer_words(str(pointers[0]), len(pointers) - 1)}; left out"
+        findings.insert(0, Finding("not-fetched", "warning", message, count=len(pointers)))
+    return [path for path in unclaimed if path not in pointers], findings
 
 
 def undescribed_logs(unclaimed: Sequence[Path]) -> list[Finding]:
@@ -130,26 +140,57 @@ def _below(path: Path, format_name: str | None, depth: int) -> tuple[list[Source
         return [], [path]
     member = format_of(path, format_name)
     if member is not None:
-        return list(member.sources(path)), []
+        sources = list(member.sources(path))
+        is_judged = format_name is not None or path.is_file() or member.judges_whole_folders
+        more, unclaimed = ([], []) if is_judged else _beside(path, sources, member, depth)
+        return [*sources, *more], unclaimed
     if not path.is_dir() or depth == 0:
         return [], [path]
-    sources: list[Source] = []
-    unclaimed: list[Path] = []
+    return _joined(
+        ([], [child]) if leads_back_up(child) else _below(child, format_name, depth - 1) for child in _children(path)
+    )
+
+
+def _beside(folder: Path, sources: Sequence[Source], member: Format, depth: int) -> tuple[list[Source], list[Path]]:
+    """Recordings and unclaimed files beside those that a format found below a folder, which is not theirs alone."""
+    homes = {(Path(source.path) / source.part).resolve() for source in sources}
+    ways = {parent for home in homes for parent in home.parents}
+
+    def below(place: Path, levels: int) -> tuple[list[Source], list[Path]]:
+        if levels == 0:
+            return [], []
+        is_home = place.resolve() in homes
+        return _joined(beside(child, levels - 1) for child in _children(place) if not is_home or child.is_dir())
+
+    def beside(child: Path, levels: int) -> tuple[list[Source], list[Path]]:
+        if leads_back_up(child):
+            return [], [child]
+        place = child.resolve()
+        if place in homes:
+            return [], []
+        return below(child, levels) if place in ways else _below(child, None, levels)
+
+    return ([], []) if folder.resolve() in homes and member.takes_subfolders else below(folder, depth)
+
+
+def _children(folder: Path) -> list[Path]:
+    """What lies in a folder, in natural order, without hidden files and stores."""
     try:
-        children = sorted(path.iterdir(), key=lambda child: natural_key(child.name))
+        children = sorted(folder.iterdir(), key=lambda child: natural_key(child.name))
     except OSError as error:
         raise TactileDataError(
-            f"the folder {path} cannot be read ({error.strerror})", "a readable folder", "Check its permissions."
+            f"the folder {folder} cannot be read ({error.strerror})", "a readable folder", "Check its permissions."
         ) from error
-    for child in children:
-        if child.name.startswith(".") or child.suffix == ".zarr":
-            continue
-        if leads_back_up(child):
-            unclaimed.append(child)
-            continue
-        found, left = _below(child, format_name, depth - 1)
-        sources.extend(found)
-        unclaimed.extend(left)
+    return [child for child in children if not child.name.startswith(".") and child.suffix != ".zarr"]
+
+
+def _joined(parts: Iterable[tuple[list[Source], list[Path]]]) -> tuple[list[Source], list[Path]]:
+    """Recordings and unclaimed files of several places, one after another."""
+    sources: list[Source] = []
+    unclaimed: list[Path] = []
+    for found, left in parts:
+        sources += found
+        unclaimed += left
     return sources, unclaimed
 
 

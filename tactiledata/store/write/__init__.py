@@ -1,6 +1,7 @@
 """Recordings into a store, safe to kill at any moment.
 
-- ``spool``: pictures on disk as they come. ``take_checks``: whether a take fits together.
+- ``spool``: pictures on disk as they come. ``image_columns``: a row of facts for each of them.
+- ``take_checks``: whether a take fits together.
 - ``writer``: a take becomes files that wait for their commit, a marker written last.
 - ``commit``: staged takes become part of the store in groups; the manifest is written last.
 - ``intake``: a store that takes recordings in; one that got nothing is taken away again.

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import shutil
-from array import array
 from collections import deque
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
@@ -12,34 +11,17 @@ from types import TracebackType
 from typing import BinaryIO
 
 import google_crc32c
-import numpy as np
 import pyarrow as pa
 
 from tactiledata.contract.records import Image
-from tactiledata.contract.take import FRAME_SCHEMA
-from tactiledata.errors import StoreError
 from tactiledata.store.layout.lock import unwritable
 from tactiledata.store.layout.places import Settings, folder_name
 from tactiledata.store.layout.shards import pack_frame
+from tactiledata.store.write.image_columns import ImageColumns
 
-ENCODINGS = ("jpeg", "png", "raw", "missing")
 BUFFER = 2**20
 MOST_WAITING = 16
 """Images in memory that wait for their turn."""
-
-COLUMNS: dict[str, str] = {
-    "offset": "q",
-    "length": "q",
-    "crc32c": "Q",
-    "height": "q",
-    "width": "q",
-    "log_ns": "q",
-    "publish_ns": "q",
-    "header_ns": "q",
-}
-"""Columns of numbers, with their type codes in `array`."""
-NAMES = ("camera", "encoding", "sensor", "trajectory")
-"""Columns of names, kept as codes."""
 
 
 class Spool:
@@ -66,12 +48,9 @@ class Spool:
 
     def __init__(self, folder: Path | str, largest_payload: int = Settings().heap_chunk_bytes) -> None:
         self.folder = Path(folder)
-        self.largest_payload = largest_payload
         self._files: dict[str, BinaryIO] = {}
         self._ends: dict[str, int] = {}
-        self._numbers = {name: array(code) for name, code in COLUMNS.items()}
-        self._codes = {name: array("i") for name in NAMES}
-        self._names: dict[str, dict[str, int]] = {name: {} for name in NAMES}
+        self._columns = ImageColumns(largest_payload)
         self._waiting: deque[tuple[Image, Future[tuple[bytes, int]] | None]] = deque()
         self._threads: ThreadPoolExecutor | None = None
         try:
@@ -90,7 +69,7 @@ class Spool:
         self.close()
 
     def __len__(self) -> int:
-        return len(self._numbers["offset"]) + len(self._waiting)
+        return len(self._columns) + len(self._waiting)
 
     def add(self, image: Image) -> None:
         """Take one image; raw ones are compressed by threads meanwhile.
@@ -100,7 +79,7 @@ class Spool:
         StoreError
             A payload that cannot be kept (larger than a heap's chunk; raw of another size than stated), or a full disk.
         """
-        self._check(image)
+        self._columns.check(image, len(self))
         if image.encoding == "raw":
             if self._threads is None:
                 self._threads = ThreadPoolExecutor(default_threads(), thread_name_prefix="spool")
@@ -122,51 +101,7 @@ class Spool:
         else:
             content = b"" if image.encoding == "missing" else image.payload
             crc = google_crc32c.value(content)
-        numbers = {
-            "offset": self._write(image, content),
-            "length": len(content),
-            "crc32c": crc,
-            "height": image.height,
-            "width": image.width,
-            "log_ns": image.log_ns,
-            "publish_ns": image.publish_ns,
-            "header_ns": image.header_ns,
-        }
-        for name, number in numbers.items():
-            self._numbers[name].append(number)
-        for name in NAMES:
-            known = self._names[name]
-            self._codes[name].append(known.setdefault(getattr(image, name), len(known)))
-
-    def _check(self, image: Image) -> None:
-        what = f"image {image.name or len(self)} of camera {image.camera!r}"
-        self._check_columns(image, what)
-        if image.encoding not in ENCODINGS:
-            raise StoreError(f"{what} has encoding {image.encoding!r}", f"one of {', '.join(ENCODINGS)}")
-        if not (0 <= image.height < 2**15 and 0 <= image.width < 2**15):
-            raise StoreError(f"{what} is {image.height}x{image.width} pixels", "at most 32767 a side")
-        wanted = image.height * image.width * 3
-        if image.encoding == "raw" and (len(image.payload) != wanted or not wanted):
-            raise StoreError(
-                f"{what} has {len(image.payload)} bytes",
-                f"{image.height} x {image.width} x 3 = {wanted} bytes of RGB, more than none",
-            )
-        if image.encoding != "raw" and len(image.payload) > self.largest_payload:
-            raise StoreError(
-                f"{what} has {len(image.payload)} bytes",
-                f"at most {self.largest_payload} bytes an encoded image",
-                "Record smaller images.",
-            )
-
-    def _check_columns(self, image: Image, what: str) -> None:
-        for name in ("log_ns", "publish_ns", "header_ns"):
-            if not -(2**63) <= getattr(image, name) < 2**63:
-                raise StoreError(f"{what} has {name} {getattr(image, name)}", "nanoseconds that fit 64 bits")
-        for name in NAMES:
-            try:
-                getattr(image, name).encode()
-            except UnicodeEncodeError as error:
-                raise StoreError(f"{what} has {name} {getattr(image, name)!r}", "text that is Unicode") from error
+        self._columns.add(image, {"offset": self._write(image, content), "length": len(content), "crc32c": crc})
 
     def _write(self, image: Image, content: bytes) -> int:
         """The offset of a payload that was appended to its file."""
@@ -184,19 +119,9 @@ class Spool:
         return self._ends[name] - len(content)
 
     def columns(self) -> pa.Table:
-        """A row for each image, in the order in which they came.
-
-        ``camera, encoding, sensor, trajectory`` (its name), ``offset, length`` (into the spool file), ``crc32c, height,
-        width, log_ns, publish_ns, header_ns``; types as in ``FRAME_SCHEMA``, ``trajectory`` a dictionary of names.
-        """
+        """A row for each image, in the order in which they came, as `ImageColumns.table` has it."""
         self._drain()
-        columns: dict[str, pa.Array] = {}
-        for name in NAMES:
-            codes = pa.array(np.array(self._codes[name], dtype=np.int32))
-            columns[name] = pa.DictionaryArray.from_arrays(codes, pa.array(list(self._names[name]), pa.string()))
-        for name in COLUMNS:
-            columns[name] = pa.array(np.array(self._numbers[name])).cast(FRAME_SCHEMA.field(name).type)
-        return pa.table(columns)
+        return self._columns.table()
 
     def bytes_written(self) -> int:
         """Bytes on disk so far."""

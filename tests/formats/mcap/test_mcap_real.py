@@ -53,7 +53,8 @@ def test_messages_or_a_reason(name):
         elif topic.messages:
             assert topic.example.startswith("{")
             assert topic.note == ""
-    assert all(finding.severity == "info" for finding in inspection.findings)
+    said = {finding.code for finding in inspection.findings if finding.severity != "info"}
+    assert said <= {"would-not-be-read"}
 
 
 def test_examples_are_the_messages():
