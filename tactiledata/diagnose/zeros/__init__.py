@@ -5,7 +5,8 @@ last joint (drag of the cable)? Does the sensor read small loads as 0, or the to
 acceleration? They need no gel model, and are asked last.
 
 1. ``readings``: mean readings in free air, with the direction of gravity, the time and the joint angles of each.
-2. ``causes``: a linear model of each cause; a cause is reported if it predicts trajectories that were held out.
+2. ``zero_models``, ``causes``: a linear model of each cause; a cause is reported if it predicts trajectories that were
+   held out, and matters if it changes the zero within a trajectory.
 3. ``dead_band``: whether numbers beside 0 are missing among the readings as they were logged.
 4. ``inertia``: whether readings in free air follow the acceleration of a tool that swings on the arm.
 

@@ -5,8 +5,9 @@ import pytest
 from recorded_touches import recorded_store
 
 from tactiledata.calibrate.options import CalibrationOptions
-from tactiledata.diagnose.zeros.causes import GRAVITY, no_zeros, zero_causes
+from tactiledata.diagnose.zeros.causes import no_zeros, zero_causes
 from tactiledata.diagnose.zeros.readings import ForceZeros, StoreReadings, free_air_between
+from tactiledata.diagnose.zeros.zero_models import GRAVITY
 from tactiledata.ingest.clocks.align import POSE_COLUMNS
 from tactiledata.replay.opened import OpenedStore
 from tactiledata.store.read.reader import Store
