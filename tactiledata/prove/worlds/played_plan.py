@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from tactiledata.calibrate.plays.estimated_plays import Estimates
 from tactiledata.compute.base import Scheduler
 from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.diagnose.touches.grid_answer import TouchPlays
@@ -64,6 +65,7 @@ class PlayedPlan:
         varied: Iterable[str] = tuple(EFFECTS),
         runner: Scheduler | None = None,
         progress: Progress = no_progress,
+        estimates: Estimates = "learned",
     ) -> PlayedPlan:
         """Return a plan with its plays; what was not played yet is played, and kept.
 
@@ -81,6 +83,8 @@ class PlayedPlan:
             Where touches are played; in this process where ``None``.
         progress : Progress
             Called with how many plays are finished.
+        estimates : "learned", "rough" or "none"
+            How plays at finite strain are estimated; with "none" every play is made.
         """
         maker = WorldMaker.of(plan, bank)
         fidelity: Fidelity = "linear" if plan.is_quick else "finite-strain"
@@ -89,7 +93,9 @@ class PlayedPlan:
 
         @cache
         def plays_with(full: frozenset[GelVariant]) -> list[TouchPlays]:
-            return play_touches(plan.mesh, fidelity, touches, plan.bounds, runner, progress, wanted, full=full)
+            return play_touches(
+                plan.mesh, fidelity, touches, plan.bounds, runner, progress, wanted, estimates, full=full
+            )
 
         plays = plays_with(frozenset())
         known = [one.known for one in plays]

@@ -1,0 +1,78 @@
+"""A row for each sealed ensemble on the page of the proof: what was asked, and what its printed score says.
+
+    python benchmarks/proof_table.py            prints the table
+    python benchmarks/proof_table.py --write    writes it into the page, below "## All ensembles"
+
+Nothing is computed anew: counts are those that `tactiledata prove` printed, which the page holds in full.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+from pathlib import Path
+
+PAGE = Path(__file__).parents[1] / "docs" / "proof.md"
+HEADING = "## All ensembles"
+COUNTS = {
+    "nulls named": "false alarms on nulls",
+    "wrong names": "wrong names",
+    "visible effects named": "visible effects named",
+}
+"""Columns, and the first words of the printed lines that they are from."""
+
+
+def slug(heading: str) -> str:
+    """Anchor of a heading, as Markdown readers make it."""
+    return re.sub(r"[^a-z0-9 -]", "", heading.lower()).replace(" ", "-")
+
+
+def option(command: str, name: str) -> str:
+    """Value of an option of a printed command, or a dash."""
+    found = re.search(rf"--{name} (\S+)", command)
+    return found.group(1).replace(",", ", ") if found else "-"
+
+
+def rows(page: str) -> list[tuple[str, ...]]:
+    """Heading, generators, plans, commit, date and counts of every section with a score and a root."""
+    found = []
+    for section in re.split(r"(?m)^(?=## )", page):
+        heading = section.partition("\n")[0].removeprefix("## ")
+        counts = [re.search(rf"(?m)^{words} .* (\d+ of \d+) ", section) for words in COUNTS.values()]
+        command = re.search(r"(?m)^`(tactiledata prove --[^`]*)`, commit (\w+), ([\d-]+)", section)
+        if command and "--quick" not in command.group(1) and any(counts):
+            told = [count.group(1) if count else "-" for count in counts]
+            what, commit, date = command.groups()
+            generators, plans = option(what, "generators"), option(what, "plans")
+            found.append((f"[{heading}](#{slug(heading)})", generators, plans, commit, date, *told))
+    return found
+
+
+def table(page: str) -> str:
+    """The table as Markdown."""
+    head = ("ensemble", "generators", "plan", "commit", "date", *COUNTS)
+    lines = [head, ("---",) * len(head), *rows(page)]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def with_table(page: str) -> str:
+    """The page with the table in its place: below the words under its heading, in place of an older one."""
+    before, heading, after = page.partition(f"{HEADING}\n")
+    section, end, others = after.partition("\n## ")
+    words = "\n".join(line for line in section.splitlines() if not line.startswith("|")).strip()
+    return f"{before}{heading}{words}\n\n{table(page)}\n{end}{others}"
+
+
+def main() -> None:
+    """Print the table, or write it."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--write", action="store_true")
+    page = PAGE.read_text()
+    if parser.parse_args().write:
+        PAGE.write_text(with_table(page))
+    else:
+        print(table(page))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,45 @@
+"""The table of all ensembles on the page of the proof."""
+
+from proof_table import PAGE, rows, slug, table, with_table
+
+SECTION = """## A third: x, y
+`tactiledata prove --out a --generators layer,analytic --plans wedge-5 --nulls 2`, commit 1a2b3c4d, 2026-11-27. Words.
+```text
+false alarms on nulls   at most 5 %  1 of 8  0 to 32 %  missed so far
+visible effects named   at least 80 %  4 of 16  10 to 50 %  missed
+```
+"""
+
+
+def test_the_page_has_the_counts_that_were_printed():
+    """The table on the page is the one that its sections give."""
+    page = PAGE.read_text()
+    assert table(page) in page
+    assert with_table(page) == page
+
+
+def test_a_row_has_what_a_section_printed():
+    """Options, commit and counts of a section; a count that was not printed is a dash."""
+    (row,) = rows(SECTION)
+    assert row[0] == "[A third: x, y](#a-third-x-y)"
+    assert row[1:] == ("layer, analytic", "wedge-5", "1a2b3c4d", "2026-11-27", "1 of 8", "-", "4 of 16")
+
+
+def test_a_section_without_a_score_has_no_row():
+    """A run that was stopped before its score does not count."""
+    assert rows(SECTION.partition("```")[0]) == []
+
+
+def test_a_table_is_replaced_and_nothing_else():
+    """An old row goes; the words before the table and the sections after it stay."""
+    page = f"# Proof\n\n## All ensembles\nWords.\n\n| old |\n| --- |\n\n{SECTION}"
+    changed = with_table(page)
+    assert "| old |" not in changed
+    assert "Words." in changed
+    assert changed.endswith(SECTION)
+    assert changed.count("1 of 8 |") == 1
+
+
+def test_an_anchor_has_no_signs():
+    """Commas, colons and points fall away; blanks become hyphens."""
+    assert slug("A sixth: 0.1 and 0.01 N") == "a-sixth-01-and-001-n"
