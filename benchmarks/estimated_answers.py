@@ -1,12 +1,12 @@
 """Answers from estimated plays beside answers from plays that are all made at finite strain: time, and what differs.
 
-    python benchmarks/estimated_answers.py PROOF [PROOF ...] --keep FOLDER [--workers 2] [--bank FOLDER]
+    python benchmarks/estimated_answers.py PROOF [PROOF ...] --keep FOLDER [--kept-answers] [--workers N] [--bank BANK]
 
 A PROOF is a folder that `tactiledata prove --out` made; all have one plan. Its touches are played both ways, each with
 an empty cache of its own below FOLDER, and the seconds are printed. Then every case is diagnosed with both, by the code
-as it is; the answers that the proof keeps are not looked at. Listed is every case whose verdict or names differ, and
-how far E, nu and mu of the plain fit are apart. A run that was stopped goes on; seconds count only where one run made
-all plays.
+as it is; with ``--kept-answers`` those from estimated plays are the answers that the proof keeps, from the code that it
+names. Listed is every case whose verdict or names differ, and how far E, nu and mu of the plain fit are apart. A run
+that was stopped goes on; seconds count only where one run made all plays.
 """
 
 from __future__ import annotations
@@ -36,6 +36,7 @@ from tactiledata.prove.worlds.plan_names import named_plan
 from tactiledata.prove.worlds.played_plan import PlayedPlan
 
 WAYS: dict[str, Estimates] = {"all made": "none", "estimated": "learned"}
+COMPARED = ("verdict", "set", "nearest", "zeros", "before")
 
 
 @dataclass(frozen=True)
@@ -72,9 +73,9 @@ def timed(way: str, plan: str, keep: Path, bank: Path, workers: int) -> dict[str
     is_new = not (keep / way.replace(" ", "-")).exists()
     began, spent = time.perf_counter(), processor_seconds()
     of_way(way, plan, keep, bank, workers)
-    told = {"seconds": time.perf_counter() - began, "processor": processor_seconds() - spent, "is_whole": is_new}
-    file.write_text(json.dumps(told))
-    return told
+    spent_here = {"seconds": time.perf_counter() - began, "processor": processor_seconds() - spent, "is_whole": is_new}
+    file.write_text(json.dumps(spent_here))
+    return spent_here
 
 
 @cache
@@ -86,9 +87,12 @@ def answered(task: Answer) -> dict[str, Any]:
     """What a diagnosis says of a case."""
     played = _kept(task.way, task.plan, task.keep, task.bank)
     readings = [LogReadings(*one) for one in read_readings(ProofFolder(task.proof).case(task.case))]
-    document = named_world(played, readings, in_full=False).document
-    chosen = {key: document[key] for key in ("verdict", "set", "nearest", "zeros", "before")}
-    return {"way": task.way, "case": task.case, **chosen}
+    return told(task.way, task.case, named_world(played, readings, in_full=False).document)
+
+
+def told(way: str, case: str, document: dict[str, Any]) -> dict[str, Any]:
+    """What is compared of an answer."""
+    return {"way": way, "case": case, **{key: document[key] for key in COMPARED}}
 
 
 def main() -> None:
@@ -96,6 +100,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("proofs", type=Path, nargs="+")
     parser.add_argument("--keep", type=Path, required=True)
+    parser.add_argument("--kept-answers", action="store_true", help="from estimated plays, take those of the proofs")
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--bank", type=Path, default=cache_folder() / "generators")
     options = parser.parse_args()
@@ -116,6 +121,8 @@ def main() -> None:
     homes = {case.name: folder.path for folder in folders for case in scored_cases(folder)}
     file = options.keep / "answers.jsonl"
     kept = [json.loads(line) for line in file.read_text().splitlines()] if file.is_file() else []
+    if options.kept_answers:
+        kept += [told("estimated", name, case.answer) for name, case in cases.items()]
     done = {(one["way"], one["case"]) for one in kept}
     tasks = [
         Answer(way, homes[name], name, plan, options.keep, options.bank)
@@ -142,8 +149,8 @@ def compare(answers: dict[tuple[str, str], dict[str, Any]], hidden: dict[str, st
         if all(made[key] == quick[key] for key in ("verdict", "set", "zeros")):
             same += 1
         else:
-            told = (f"{way}: {in_words(one)}" for way, one in zip(WAYS, (made, quick), strict=True))
-            print(f"{name} ({hidden[name]}): " + "; ".join(told))
+            both = (f"{way}: {in_words(one)}" for way, one in zip(WAYS, (made, quick), strict=True))
+            print(f"{name} ({hidden[name]}): " + "; ".join(both))
         apart.append([b / a - 1 for a, b in zip(made["before"], quick["before"], strict=True)])
     print(f"the same answer: {same} of {len(hidden)}")
     for what, values in zip(("E", "nu", "mu"), zip(*apart, strict=True), strict=True):
