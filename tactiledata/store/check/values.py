@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Collection, Iterator
-from typing import Any
 
 import google_crc32c
 import numpy as np
@@ -16,11 +15,11 @@ from tactiledata.store.layout.places import (
     ALIGNED_ARRAYS,
     SIGNAL_ARRAYS,
     aligned_path,
-    frame_values_path,
     home_of,
     signal_path,
 )
 from tactiledata.store.read.reader import Store
+from tactiledata.store.read.recorded import recorded_spans
 from tactiledata.store.read.rows import Rows
 
 BLOCK_ROWS = 65_536
@@ -96,7 +95,7 @@ def source_value_findings(
     """
     opened = {} if rows is None else rows
     try:
-        spans = list(_spans(home_of(store.manifest), json.loads(contents), frames))
+        spans = list(recorded_spans(home_of(store.manifest), json.loads(contents), frames))
     except (ValueError, TypeError, KeyError, AttributeError) as error:
         yield _damage(f"what the table of sources says of {key} cannot be read: {error}", "")
         return
@@ -110,15 +109,6 @@ def source_value_findings(
 
 def _damage(message: str, stream: str) -> Finding:
     return Finding("store-values", "damage", message, stream=stream)
-
-
-def _spans(home: str, contents: dict[str, Any], frames: tuple[int, int]) -> Iterator[tuple[str, int, int, int]]:
-    for name, facts in contents.get("signals", {}).items():
-        yield from ((signal_path(home, name, array), *facts["rows"], facts["crc32c"][array]) for array in SIGNAL_ARRAYS)
-    for name, facts in contents.get("aligned", {}).items():
-        yield from ((aligned_path(home, name, array), *frames, facts["crc32c"][array]) for array in ALIGNED_ARRAYS)
-    for name, facts in contents.get("frame_values", {}).items():
-        yield frame_values_path(home, name), *frames, facts["crc32c"]["value"]
 
 
 def _span_fault(store: Store, rows: dict[str, Rows], path: str, start: int, stop: int, expected: int) -> str:

@@ -2,6 +2,7 @@
 
 - ``reader``: `Store`, the one entry: tables, signals, aligned values, pictures, meshes, sensors, splits.
 - ``files``: the files of a store wherever they lie, local or at a URL. ``rows``: rows of arrays, read at random.
+- ``recorded``: whether rows that read as nothing were recorded so.
 - ``index_tables``, ``signal_rows``, ``meshes``, ``pictures``: what `Store` hands to them, one kind of data each.
 - ``scaled_pictures``: pictures decoded at a smaller size.
 - ``sensor_facts``: facts of sensors, held against their digests.

@@ -89,6 +89,10 @@ class StoreFiles(ABC):
         """Whether a file is there; where asking takes a round trip, it is not asked."""
         return True
 
+    def may_be_missing(self, path: str) -> bool:
+        """Whether a file is missing; also where asking takes a round trip."""
+        return True
+
     @abstractmethod
     def array(self, path: str) -> zarr.Array:
         """An array, to read."""
@@ -165,6 +169,10 @@ class LocalFiles(StoreFiles):
     def still_there(self, path: str) -> bool:
         """Whether a file is there."""
         return (self._folder / path).exists()
+
+    def may_be_missing(self, path: str) -> bool:
+        """Whether a file is missing."""
+        return not self.still_there(path)
 
     def array(self, path: str) -> zarr.Array:
         """An array, to read; one that is open already is given again, unless its document was written anew."""

@@ -29,6 +29,7 @@ from tactiledata.store.read.files import StoreFiles, missing_file, open_files
 from tactiledata.store.read.index_tables import IndexTables
 from tactiledata.store.read.meshes import StoredMesh
 from tactiledata.store.read.pictures import KeptPictures, Pictures
+from tactiledata.store.read.recorded import RecordedNumbers
 from tactiledata.store.read.rows import Rows, checked_rows
 from tactiledata.store.read.sensor_facts import sensor_facts
 from tactiledata.store.read.signal_rows import Meaning, SignalRows
@@ -59,6 +60,7 @@ class Store:
         self._pictures = Pictures(files, manifest, self.frames)
         self._signals: dict[str, SignalRows] = {}
         self._values: dict[str, Rows] = {}
+        self._recorded = RecordedNumbers(files, home_of(manifest), self.sources)
         self._meshes: dict[str, StoredMesh] = {}
 
     @classmethod
@@ -181,7 +183,7 @@ class Store:
         """A signal at its native rate."""
         if name not in self._signals:
             facts = self._facts("signals", "signal", name)
-            self._signals[name] = SignalRows(self._files, home_of(self.manifest), name, facts)
+            self._signals[name] = SignalRows(self._recorded, home_of(self.manifest), name, facts)
         return self._signals[name]
 
     def aligned(self, name: str, rows: ArrayLike | None = None) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
@@ -218,11 +220,11 @@ class Store:
 
     def _rows(self, path: str, length: int) -> Rows:
         if path not in self._values:
-            self._values[path] = self.rows(path, length)
+            self._values[path] = self._recorded.rows(path, length)
         return self._values[path]
 
     def rows(self, path: str, length: int) -> Rows:
-        """The first ``length`` rows of any array of the store, by its path."""
+        """The first ``length`` rows of any array of the store, by its path, as they read."""
         return Rows(self._files, path, length)
 
     def array(self, path: str) -> zarr.Array:

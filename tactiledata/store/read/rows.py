@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import OrderedDict
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -27,10 +28,20 @@ class Rows:
         Of the array in the store.
     length : int
         Rows that count.
+    need_recorded : callable, optional
+        Called with the path and a range of rows that read as the fill value and have no file; raises where something
+        was recorded there. Without it such rows are taken as they read.
     """
 
-    def __init__(self, files: StoreFiles, path: str, length: int) -> None:
+    def __init__(
+        self,
+        files: StoreFiles,
+        path: str,
+        length: int,
+        need_recorded: Callable[[str, int, int], None] | None = None,
+    ) -> None:
         self._files, self._path, self.length = files, path, length
+        self._need_recorded = need_recorded
         self._array: zarr.Array | None = None
         self._chunks: OrderedDict[int, NDArray[Any]] = OrderedDict()
         self._owner = os.getpid()
@@ -74,6 +85,10 @@ class Rows:
                 "the store as it was opened",
                 "It was moved, or a recording in it was replaced: open it again.",
             )
+        if self._need_recorded is not None and _is_fill(rows, array.fill_value):
+            key = array.metadata.encode_chunk_key((index,) + (0,) * (array.ndim - 1))
+            if self._files.may_be_missing(f"{self._path}/{key}"):
+                self._need_recorded(self._path, index * size, index * size + len(rows))
         rows.setflags(write=False)
         self._chunks[index] = rows
         while len(self._chunks) > 1 and sum(chunk.nbytes for chunk in self._chunks.values()) > CACHE_BYTES:
@@ -113,6 +128,13 @@ class Rows:
             mask = of_chunk == index
             out[mask] = self._chunk(index)[wanted[mask] - index * size]
         return out
+
+
+def _is_fill(rows: NDArray[Any], fill: Any) -> bool:
+    """Whether rows hold nothing but the fill value, which may be no number."""
+    if not rows.size or not np.array_equal(rows.flat[0], fill, equal_nan=rows.dtype.kind == "f"):
+        return False
+    return bool(np.isnan(rows).all() if fill != fill else (rows == fill).all())
 
 
 def checked_rows(rows: ArrayLike, length: int, what: str) -> NDArray[np.int64]:

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.store.layout.places import signal_path
-from tactiledata.store.read.files import StoreFiles
-from tactiledata.store.read.rows import Rows
+from tactiledata.store.read.recorded import RecordedNumbers
 
 
 @dataclass(frozen=True)
@@ -45,12 +44,12 @@ class Meaning:
 class SignalRows:
     """A signal at its native rate; ``signal_rows`` of a trajectory are ranges of its rows."""
 
-    def __init__(self, files: StoreFiles, home: str, name: str, facts: Mapping[str, Any]) -> None:
+    def __init__(self, recorded: RecordedNumbers, home: str, name: str, facts: Mapping[str, Any]) -> None:
         self.name = name
         self.meaning = Meaning.of(facts)
         self.n_rows: int = facts["rows"]
         arrays = ("t_ns", "value", "log_ns", "publish_ns", "header_ns")
-        self._rows = {array: Rows(files, signal_path(home, name, array), self.n_rows) for array in arrays}
+        self._rows = {array: recorded.rows(signal_path(home, name, array), self.n_rows) for array in arrays}
 
     @property
     def columns(self) -> tuple[str, ...]:
