@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -73,6 +74,12 @@ def test_deriving_anew_gives_what_ingest_derived(store, tmp_path):
     peaks = [one.trajectories()["peak_force"].to_numpy() for one in (copy, store)]
     assert np.allclose(*peaks, rtol=1e-6)
     assert not [one for one in check(copy) if one.severity == "damage"]
+
+
+def test_a_recording_without_forces_stays_as_it_is():
+    """An effect of the force sensor cannot be in it; the copy is whole all the same."""
+    without = SimpleNamespace(signals={}, aligned={})
+    assert Planting("lag", 0.05, 3).take(without) is without
 
 
 @pytest.mark.slow

@@ -204,6 +204,16 @@ def roles_of(topics: Iterable[Topic], mapping: Mapping[str, Any] | None = None) 
             for camera, entry in document["images"].items()
             if (camera_role := _mapped_camera(camera, entry, known, findings)) is not None
         ]
+        pictures = [topic.name for topic in known if topic.kind in IMAGE_KINDS]
+        if document["images"] and not images and pictures:
+            findings.append(
+                Finding(
+                    "pictures-not-mapped",
+                    "damage",
+                    f"no camera of the mapping is in this recording, so that its pictures on {', '.join(pictures)} are "
+                    "not kept",
+                )
+            )
     else:
         images = _guessed_cameras(known, notes)
     return Roles(tuple(signals), tuple(images), tuple(findings), notes)

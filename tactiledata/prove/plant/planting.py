@@ -62,7 +62,7 @@ class Planting:
         return replace(changed, findings=pa.concat_tables([changed.findings, findings_table([finding])]))
 
     def take(self, take: Take) -> Take:
-        """Return a recording of a store with the effect in it.
+        """Return a recording of a store with the effect in it; one without readings of a force sensor as it is.
 
         Raises
         ------
@@ -74,6 +74,8 @@ class Planting:
         plant = find_plant(self.effect)
         if plant.change is None:
             return self._stated(take)
+        if WRENCH not in take.signals or CONTACT not in take.aligned:
+            return take
         description = LogDescription(dict(take.description))
         readings = PlantedReadings.of(take.signals[WRENCH], take.signals.get("tcp"), description)
         # a direction is one of the rig, the same in all of its recordings
