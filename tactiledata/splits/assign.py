@@ -16,11 +16,15 @@ import pyarrow as pa
 import pyarrow.compute as pc
 from numpy.typing import NDArray
 
+from tactiledata.contract.wording import counted
 from tactiledata.errors import UnknownName, UsageError
 from tactiledata.splits.groups import UNIT_KINDS, Groups, group_trajectories
 from tactiledata.splits.moments import SIDES
 from tactiledata.splits.options import EXCLUDED, SHARES, SplitOptions
+from tactiledata.splits.twins import UNNAMED
 
+MOST_UNNAMED = 3
+"""Number of sensors without a serial that a note lists."""
 MIN_UNITS = 4
 """Fewer units of a kind than this, and ``auto`` holds none of them out: training needs several to generalise from."""
 HELD_SHARE = 0.2
@@ -95,6 +99,14 @@ def choose_held_out(trajectories: pa.Table, options: SplitOptions) -> tuple[dict
     notes: list[str] = []
     for kind in options.strata:
         units = _recorded_units(trajectories, kind)
+        unnamed = [unit for unit in units if kind == "sensor" and unit.startswith(UNNAMED)]
+        if unnamed:
+            units = [unit for unit in units if unit not in unnamed]
+            shown = ", ".join(unnamed[:MOST_UNNAMED]) + (", …" if unnamed[MOST_UNNAMED:] else "")
+            notes.append(
+                f"{counted(len(unnamed), 'sensor')} without a serial ({shown}) may be fewer cameras than that: none is "
+                "held out as unseen; name the serial in a description or a mapping, and ingest again"
+            )
         if len(units) < MIN_UNITS:
             notes.append(
                 f"no {kind} is held out: the store has {len(units)} of them ({', '.join(units) or 'none named'}), "

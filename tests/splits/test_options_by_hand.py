@@ -148,6 +148,20 @@ def test_a_fifth_of_four_units_or_more_is_held_out(units, held):
     assert list(found.get("sensor", ())) == sorted(found.get("sensor", ()))
 
 
+def test_sensors_without_a_serial_are_not_held_out():
+    """One camera, recorded many times without its serial, is many names: none of them is unseen. Named ones still are."""
+    nameless = [{"source": k, "sensor": f"unknown-{k:08x}"} for k in range(8)]
+    found, notes = choose_held_out(trajectories(nameless), SplitOptions())
+    assert found == {}
+    assert notes[0].startswith("8 sensors without a serial (unknown-00000000, ")
+    assert "none is held out as unseen" in notes[0]
+    named = [{"source": 8 + k, "sensor": f"s{k}"} for k in range(4)]
+    (held,) = choose_held_out(trajectories([*nameless, *named]), SplitOptions())[0]["sensor"]
+    assert held.startswith("s")
+    asked = SplitOptions.checked(hold_out={"sensor": ["unknown-00000003"]})
+    assert choose_held_out(trajectories(nameless), asked)[0] == {"sensor": ("unknown-00000003",)}
+
+
 def test_units_of_derived_trajectories_count_only_where_nothing_is_recorded():
     """Styles that were made are no sensors to hold out; in a store of made ones alone they are."""
     made = [{"source": 9, "sensor": f"m{k}", "parent": f"{k:016x}"} for k in range(8)]
