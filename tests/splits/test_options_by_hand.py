@@ -149,7 +149,7 @@ def test_a_fifth_of_four_units_or_more_is_held_out(units, held):
 
 
 def test_sensors_without_a_serial_are_not_held_out():
-    """One camera, recorded many times without its serial, is many names: none of them is unseen. Named ones still are."""
+    """One camera, recorded many times without its serial, is many names, none of them unseen. Named ones still are."""
     nameless = [{"source": k, "sensor": f"unknown-{k:08x}"} for k in range(8)]
     found, notes = choose_held_out(trajectories(nameless), SplitOptions())
     assert found == {}
