@@ -51,8 +51,8 @@ class McapExporter(Exporter):
         "Which clock wrote a stamp, where a recording had one clock only: its stamps become those of the headers, and "
         "the log times are the host's.",
         "What ingest left out (damage, samples of a broken clock) is not in the store, so neither is it here.",
-        "Flags of bad trajectories, and that a recording was damaged: `tactiledata/trajectories.parquet` has the flags, "
-        "but a store that is ingested from these files does not. Flag them there again.",
+        "Flags of bad trajectories, and that a recording was damaged: `tactiledata/trajectories.parquet` has the "
+        "flags, but a store that is ingested from these files does not. Flag them there again.",
         "Names of columns that ROS 2 allows for no field (`a.b`): they come back as `values[0]` and so on.",
         "Files that a description names, other than pictures without contact: the store keeps no meshes of indenters.",
         "Parts of a split: a recording may hold touches of several. They stand in the metadata record "
