@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from tactiledata.cli.main import app
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.take import findings_of
-from tactiledata.errors import StoreError, UsageError
+from tactiledata.errors import MissingFile, StoreError, UsageError
 from tactiledata.prove.plant.effects import PLANTS, PlantedReadings
 from tactiledata.prove.plant.label import (
     drawn_planting,
@@ -23,6 +23,7 @@ from tactiledata.prove.plant.label import (
 from tactiledata.prove.plant.planting import Planting, plant_into
 from tactiledata.store.check.check import check
 from tactiledata.store.read.reader import Store
+from tactiledata.store.write.commit import create
 
 SIZES = {name: plant.high for name, plant in PLANTS.items()}
 
@@ -138,28 +139,57 @@ def test_an_added_mass_weighs_what_it_should():
     assert np.linalg.norm(load[1, :3]) == pytest.approx(2 * 0.1 * 9.80665)
 
 
+def diagnosed(place, store, **naming):
+    """A diagnosis of a store, as far as the score reads it."""
+    document = {
+        "naming": {"verdict": "explained", "names": [], "ties": [], **naming},
+        "zeros": [],
+        "readings": [],
+        "provenance": {"inputs": {"store": store}},
+    }
+    place.write_text(json.dumps(document))
+    return place
+
+
+@pytest.fixture
+def sealed(tmp_path):
+    """An empty store with a sealed lag beside it."""
+    create(tmp_path / "copy.zarr")
+    write_label(tmp_path / "copy.zarr", Planting("lag", 0.03, 5))
+    return Store.open(tmp_path / "copy.zarr")
+
+
 @pytest.mark.slow
-def test_a_label_is_sealed_and_scored(tmp_path):
+def test_a_label_is_sealed_and_scored(sealed, tmp_path):
     """A diagnosis is scored against the label; a label that was changed does not fit the seal."""
     copy = tmp_path / "copy.zarr"
-    write_label(copy, Planting("lag", 0.03, 5))
     assert kept_planting(copy) == Planting("lag", 0.03, 5)
-    diagnosis = tmp_path / "diagnosis.json"
     for names, ties, outcome in (
         (["lag"], [], "named"),
         (["relaxation"], ["lag"], "in the set"),
         (["relaxation"], [], "wrong"),
         ([], [], "missed"),
     ):
-        naming = {"verdict": "explained", "names": names, "ties": [{"name": name} for name in ties]}
-        diagnosis.write_text(json.dumps({"naming": naming, "zeros": [], "readings": []}))
-        assert score_planting(copy, diagnosis)["outcome"] == outcome
+        told = diagnosed(tmp_path / "d.json", sealed.digest, names=names, ties=[{"name": name} for name in ties])
+        assert score_planting(copy, told)["outcome"] == outcome
     label = seal_files(copy)[1]
     changed = json.loads(label.read_text())
     changed["label"]["size"] = 0.04
     label.write_text(json.dumps(changed))
     with pytest.raises(StoreError, match="does not fit"):
-        score_planting(copy, diagnosis)
+        score_planting(copy, told)
+
+
+def test_the_diagnosis_of_another_store_opens_no_label(sealed, tmp_path):
+    """A label that was seen is spent: a diagnosis that is not of the copy is refused, or none at all."""
+    copy = tmp_path / "copy.zarr"
+    with pytest.raises(StoreError, match=r"of a store with the digest ffffffffffff.*The label was not opened"):
+        score_planting(copy, diagnosed(tmp_path / "d.json", "f" * 64, names=["lag"]))
+    for odd in ({"names": [None]}, {"names": [3]}, {"names": 3}, {"ties": [None]}, {"verdict": {}}):
+        with pytest.raises(StoreError, match=r"in place of a name|no naming that can be read"):
+            score_planting(copy, diagnosed(tmp_path / "d.json", sealed.digest, **odd))
+    with pytest.raises(MissingFile, match=r"there is no .*nope.*seal.*plant STORE --into"):
+        score_planting(tmp_path / "nope", tmp_path / "d.json")
 
 
 def test_chance_plants_everything_and_nothing():

@@ -11,12 +11,13 @@ import numpy as np
 
 from tactiledata.contract.atomic import write_json_atomic
 from tactiledata.contract.provenance import file_digest
-from tactiledata.errors import StoreError, UsageError
+from tactiledata.errors import MissingFile, StoreError, UsageError
 from tactiledata.prove.plant.effects import ANY, NOTHING, PLANTS, find_plant
 from tactiledata.prove.plant.planting import Planting
 from tactiledata.prove.seal.folder import read_json
 from tactiledata.prove.seal.frozen import frozen_tool
 from tactiledata.prove.seal.merkle import commitment, new_salt
+from tactiledata.store.read.reader import Store
 
 FORMAT = "tactiledata-planted/1"
 
@@ -104,9 +105,21 @@ def score_planting(copy: Path, diagnosis: Path) -> dict[str, Any]:
     Raises
     ------
     StoreError
-        Label and seal do not fit, or the diagnosis is none.
+        Label and seal do not fit; or the diagnosis is none, or one of another store. The label is then not opened.
+    MissingFile
+        There is no seal beside the copy.
     """
     seal_file, label_file = seal_files(copy)
+    if not seal_file.is_file() or not label_file.is_file():
+        missing = label_file if seal_file.is_file() else seal_file
+        raise MissingFile(
+            f"there is no {missing}",
+            f"a copy that `tactiledata plant STORE --into {copy}` made, with seal and label beside it",
+            "Check the name of the copy, or put seal and label back beside it.",
+        )
+    document = read_json(diagnosis)
+    naming = _naming_of(document, diagnosis)
+    _need_diagnosis_of(copy, document, diagnosis)
     seal, kept = read_json(seal_file), read_json(label_file)
     try:
         fits = commitment(kept["salt"], kept["label"]) == seal["commitment"]
@@ -116,11 +129,43 @@ def score_planting(copy: Path, diagnosis: Path) -> dict[str, Any]:
         raise StoreError(
             f"{label_file} does not fit {seal_file}", "the label that was sealed", "One of the two was changed."
         )
-    document = read_json(diagnosis)
-    naming = document.get("naming") if isinstance(document, dict) else None
-    if not isinstance(naming, Mapping):
-        raise StoreError(f"{diagnosis} holds no naming", "the diagnosis.json of a store", "Diagnose the copy.")
     return _score(kept["label"], naming, document, file_digest(diagnosis))
+
+
+def _naming_of(document: Any, diagnosis: Path) -> Mapping[str, Any]:
+    """Return what a diagnosis names; refuse a document that is none, or in which a name is no text."""
+    try:
+        naming = document["naming"]
+        ties = [tie["name"] for tie in naming.get("ties", [])]
+        shown = [one["effect"] for what in ("zeros", "readings") for one in document.get(what, [])]
+        texts = [naming["verdict"], *naming["names"], *ties, *shown]
+    except (KeyError, TypeError, AttributeError) as error:
+        raise StoreError(
+            f"{diagnosis} holds no naming that can be read", "the diagnosis.json of a store", "Diagnose the copy."
+        ) from error
+    for text in texts:
+        if not isinstance(text, str):
+            raise StoreError(
+                f"{diagnosis} has {text!r} in the place of a name",
+                "the diagnosis.json of a store",
+                "Diagnose the copy.",
+            )
+    return dict(naming)
+
+
+def _need_diagnosis_of(copy: Path, document: Mapping[str, Any], diagnosis: Path) -> None:
+    """Refuse the diagnosis of another store than the copy."""
+    store = Store.open(copy).digest
+    provenance = document.get("provenance")
+    inputs = provenance.get("inputs") if isinstance(provenance, Mapping) else None
+    told = inputs.get("store") if isinstance(inputs, Mapping) else None
+    if told != store:
+        of_what = f"of a store with the digest {told[:12]}…" if isinstance(told, str) else "of no store that it names"
+        raise StoreError(
+            f"{diagnosis} is {of_what}",
+            f"a diagnosis of {copy}, whose digest is {store[:12]}…",
+            f"Diagnose the copy: `tactiledata diagnose {copy} --out DIR`. The label was not opened.",
+        )
 
 
 def _score(
