@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import _thread
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import typer
@@ -16,6 +21,41 @@ DEBUG_VARIABLE = "TACTILEDATA_DEBUG"
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C."""
+AGAIN_S = 2.0
+"""Time, s, after which Ctrl-C is repeated while a command runs on."""
+
+
+@contextmanager
+def repeated_interruption() -> Iterator[Callable[[], bool]]:
+    """Repeat Ctrl-C until the command ends, and yield what tells whether it came.
+
+    A `KeyboardInterrupt` that is raised while code of others calls back is swallowed there, or turned into another
+    error. Where Ctrl-C is handled or ignored already, nothing is changed.
+    """
+    came, ended = threading.Event(), threading.Event()
+
+    def repeat() -> None:
+        while not ended.wait(AGAIN_S):
+            _thread.interrupt_main()
+
+    def handle(number: int, frame: Any) -> None:
+        if not came.is_set():
+            came.set()
+            threading.Thread(target=repeat, daemon=True).start()
+        signal.default_int_handler(number, frame)
+
+    is_ours = (
+        threading.current_thread() is threading.main_thread()
+        and signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    )
+    if is_ours:
+        signal.signal(signal.SIGINT, handle)
+    try:
+        yield came.is_set
+    finally:
+        ended.set()
+        if is_ours:
+            signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def report_failure(error: Exception, as_json: bool) -> int:

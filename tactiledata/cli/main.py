@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import os
 import sys
+from collections.abc import Callable
 from importlib.metadata import entry_points
 
 import typer
@@ -28,7 +29,13 @@ from tactiledata.cli import (
     store,
     view,
 )
-from tactiledata.cli.failure import DEBUG_VARIABLE, INTERRUPTED, report_failure, report_interruption
+from tactiledata.cli.failure import (
+    DEBUG_VARIABLE,
+    INTERRUPTED,
+    repeated_interruption,
+    report_failure,
+    report_interruption,
+)
 from tactiledata.cli.given_values import CheckedApp
 from tactiledata.errors import TactileDataError
 
@@ -70,19 +77,35 @@ def run() -> None:
             # names of files and sensors may hold what the terminal's encoding cannot show
             stream.reconfigure(errors="backslashreplace")
     as_json = "--json" in sys.argv[1:]
-    try:
-        code = app(standalone_mode=False, prog_name="tactiledata") or 0
-    except BrokenPipeError:
-        # the reader of our output went away, as `| head` does
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        code = 0
-    except KeyboardInterrupt:
-        code = INTERRUPTED
-    except Exception as error:  # the last resort: no traceback for users
-        is_expected = isinstance(error, TactileDataError | OSError | typer.TyperException)
-        if os.environ.get(DEBUG_VARIABLE) and not is_expected:
-            raise
-        code = report_failure(error, as_json)
+    with repeated_interruption() as was_interrupted:
+        code = _run(as_json, was_interrupted)
     if code == INTERRUPTED:  # typer turns Ctrl-C into this code
         report_interruption(as_json)
     sys.exit(code)
+
+
+def _run(as_json: bool, was_interrupted: Callable[[], bool]) -> int:
+    """Run the command; return its exit code, with failures printed.
+
+    Parameters
+    ----------
+    as_json : bool
+        Whether failures are printed for machines.
+    was_interrupted : callable
+        Tells whether Ctrl-C came: an error that follows it is no fault.
+    """
+    try:
+        return app(standalone_mode=False, prog_name="tactiledata") or 0
+    except BrokenPipeError:
+        # the reader of our output went away, as `| head` does
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except Exception as error:  # the last resort: no traceback for users
+        if was_interrupted():
+            return INTERRUPTED
+        is_expected = isinstance(error, TactileDataError | OSError | typer.TyperException)
+        if os.environ.get(DEBUG_VARIABLE) and not is_expected:
+            raise
+        return report_failure(error, as_json)

@@ -146,7 +146,7 @@ def _naming_of(document: Any, diagnosis: Path) -> Mapping[str, Any]:
     for text in texts:
         if not isinstance(text, str):
             raise StoreError(
-                f"{diagnosis} has {text!r} in the place of a name",
+                f"{diagnosis} has {text!r} in place of a name",
                 "the diagnosis.json of a store",
                 "Diagnose the copy.",
             )

@@ -1,0 +1,75 @@
+"""Ctrl-C ends a command, whatever it met on its way, with one line and exit code 130."""
+
+import subprocess
+import sys
+
+import pytest
+
+COMMAND = """
+import os, signal, sys, time
+from tactiledata.cli import failure, main
+
+failure.AGAIN_S = 0.2
+
+@main.app.command("stand-in")
+def stand_in() -> None:
+{body}
+
+sys.argv = ["tactiledata", "stand-in"]
+main.run()
+"""
+CAUGHT = ("try:", "    os.kill(os.getpid(), signal.SIGINT)", "    time.sleep(50)", "except KeyboardInterrupt:")
+"""Lines that interrupt themselves; the next one says what then happens."""
+pytestmark = pytest.mark.slow
+
+
+def ended(*lines):
+    """The ended process of a command with these lines."""
+    program = COMMAND.format(body="\n".join(f"    {line}" for line in lines))
+    return subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
+
+
+def test_an_interruption_that_was_swallowed_is_repeated():
+    """Code of others may catch it while it calls back: the command would run to its end and exit with 0."""
+    done = ended(
+        "try:", f"    {INTERRUPT}", "    time.sleep(50)", "except KeyboardInterrupt:", "    pass", "time.sleep(50)"
+    )
+    assert done.returncode == 130
+    assert done.stderr.startswith("interrupted: ")
+    assert "Traceback" not in done.stderr
+
+
+def test_an_error_that_follows_an_interruption_is_no_fault():
+    """What was interrupted half-way may fail in any way; without Ctrl-C the same error is a fault of the program."""
+    fails = "raise RuntimeError('dictionary changed size during iteration')"
+    done = ended(
+        "try:", f"    {INTERRUPT}", "    time.sleep(50)", "except KeyboardInterrupt:", f"    {fails} from None"
+    )
+    assert (done.returncode, done.stderr.count("\n")) == (130, 1)
+    assert ended(fails).returncode == 3
+
+
+def test_a_command_that_ends_well_is_not_interrupted():
+    """A server that Ctrl-C ends has done its work."""
+    done = ended(*CAUGHT, "    pass")
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize("raised", ["KeyboardInterrupt", "ImportError"])
+def test_an_interruption_while_the_command_is_imported_is_quiet(raised):
+    """The first tenths of a second are imports; an error there is still shown in full."""
+    program = (
+        "import sys\n"
+        "class Finder:\n"
+        "    def find_spec(self, name, path=None, target=None):\n"
+        f"        if name == 'tactiledata.cli.main': raise {raised}\n"
+        "sys.meta_path.insert(0, Finder())\n"
+        "from tactiledata.__main__ import main\n"
+        "main()\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
+    if raised == "KeyboardInterrupt":
+        assert (done.returncode, done.stderr) == (130, "interrupted: nothing was begun\n")
+    else:
+        assert done.returncode == 1
+        assert "Traceback" in done.stderr
