@@ -31,9 +31,7 @@ def ended(*lines):
 
 def test_an_interruption_that_was_swallowed_is_repeated():
     """Code of others may catch it while it calls back: the command would run to its end and exit with 0."""
-    done = ended(
-        "try:", f"    {INTERRUPT}", "    time.sleep(50)", "except KeyboardInterrupt:", "    pass", "time.sleep(50)"
-    )
+    done = ended(*CAUGHT, "    pass", "time.sleep(50)")
     assert done.returncode == 130
     assert done.stderr.startswith("interrupted: ")
     assert "Traceback" not in done.stderr
@@ -42,9 +40,7 @@ def test_an_interruption_that_was_swallowed_is_repeated():
 def test_an_error_that_follows_an_interruption_is_no_fault():
     """What was interrupted half-way may fail in any way; without Ctrl-C the same error is a fault of the program."""
     fails = "raise RuntimeError('dictionary changed size during iteration')"
-    done = ended(
-        "try:", f"    {INTERRUPT}", "    time.sleep(50)", "except KeyboardInterrupt:", f"    {fails} from None"
-    )
+    done = ended(*CAUGHT, f"    {fails} from None")
     assert (done.returncode, done.stderr.count("\n")) == (130, 1)
     assert ended(fails).returncode == 3
 
