@@ -76,7 +76,9 @@ class FrameReader:
         table.require((TIME, "file"), f"The table has the columns {listed(COLUMNS)}; docs/formats-folder.md shows one.")
         t_ns, has_time = table.nanoseconds(TIME)
         findings = [*said, *ignored_columns(table, COLUMNS, "frames")]
-        findings += table.row_finding("csv-time", ~has_time, f"have a {TIME} that is no integer; left out", "frames")
+        findings += table.row_finding(
+            "csv-time", ~has_time, f"have no {TIME} that is a whole number below 2^63; left out", "frames"
+        )
         files = table.text("file")
         names = table.text("trajectory") if "trajectory" in table.columns else [""] * len(table)
         for row in np.flatnonzero(has_time):

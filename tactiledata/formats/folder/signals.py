@@ -126,7 +126,9 @@ def _signal(name: str, table: CsvTable, frame: str) -> tuple[Signal | None, list
     findings = ignored_columns(table, (TIME, *columns), name)
     t_ns, has_time = table.nanoseconds(TIME)
     values, is_finite = table.numbers(columns)
-    findings += table.row_finding("csv-time", ~has_time, f"have a {TIME} that is no integer; left out", name)
+    findings += table.row_finding(
+        "csv-time", ~has_time, f"have no {TIME} that is a whole number below 2^63; left out", name
+    )
     unread = has_time & ~is_finite
     findings += table.row_finding("csv-value", unread, "have a value that is no finite number; left out", name)
     is_good = has_time & is_finite

@@ -9,7 +9,7 @@ import numpy as np
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Finding, Times, Values
 from tactiledata.contract.take import StoredSignal
-from tactiledata.ingest.forces.gravity import tool_weight, without_pose
+from tactiledata.ingest.forces.gravity import tool_weight, what_weight_needs, without_pose
 from tactiledata.ingest.forces.tare import Zero, find_zero
 from tactiledata.transforms import move_wrench
 from tactiledata.units import SIGNAL_COLUMNS, signal_units
@@ -121,8 +121,9 @@ def _without_weight(
     weight = tool_weight(description, tcp, wrench.t_ns)
     if weight is None:
         text = (
-            "wrench: the tool's weight was not taken off, because robot.tool.mass, robot.tcp_from_ft or the tcp stream "
-            "is missing; where the tool turns, its weight stays in the contact wrench"
+            "wrench: the tool's weight was not taken off, because the recording lacks "
+            f"{' and '.join(what_weight_needs(description, tcp))}; where the tool turns, its weight stays in the "
+            "contact wrench"
         )
         findings.append(Finding("gravity-not-compensated", "warning", text, "wrench"))
         return load, "not compensated"

@@ -27,6 +27,24 @@ POSE_PERIODS = 3
 """Times the usual distance of poses; the larger of it and the limits above counts."""
 
 
+def what_weight_needs(description: LogDescription, tcp: StoredSignal | None) -> list[str]:
+    """Return what a recording lacks for the weight of its tool; nothing where it is known.
+
+    Parameters
+    ----------
+    description : LogDescription
+        ``robot.tool`` and ``robot.tcp_from_ft``.
+    tcp : StoredSignal or None
+        Poses base_from_tcp.
+    """
+    lacks = {
+        "robot.tool with its mass": description.robot.get("tool") is None,
+        "robot.tcp_from_ft": description.transform("tcp_from_ft") is None,
+        "a tcp stream with sound poses": tcp is None or not _is_sound(tcp).any(),
+    }
+    return [what for what, is_missing in lacks.items() if is_missing]
+
+
 def tool_weight(description: LogDescription, tcp: StoredSignal | None, t_ns: Times) -> Values | None:
     """The tool's weight as a load on the force sensor (n, 6), N and N m, in the ft frame about its origin.
 
@@ -41,13 +59,12 @@ def tool_weight(description: LogDescription, tcp: StoredSignal | None, t_ns: Tim
     t_ns : (n,) int64
         Host clock. Before the first and after the last pose, that pose is held; `without_pose` tells where too long.
     """
-    tool = description.robot.get("tool")
-    tcp_from_ft = description.transform("tcp_from_ft")
-    if tool is None or tcp_from_ft is None or tcp is None or not len(tcp.t_ns):
+    if what_weight_needs(description, tcp):
         return None
+    tool, tcp_from_ft = description.robot["tool"], description.transform("tcp_from_ft")
+    assert tcp is not None
+    assert tcp_from_ft is not None
     sound = tcp.t_ns[_is_sound(tcp)]
-    if not len(sound):
-        return None
     held = np.clip(t_ns, sound[0], sound[-1])
     base_from_tcp = pose_matrices(align(tcp, held).values)
     ft_from_tcp = tcp_from_ft.inverse()

@@ -314,6 +314,6 @@ def missing_file(path: str, location: str) -> LostFile:
     return LostFile(
         f"{path} is missing in the store {location}",
         "every file that the manifest names",
-        "Open the store again, if a recording was replaced meanwhile; else `tactiledata check` says what is missing.",
+        "Open the store again, if a recording was replaced meanwhile; else restore the file from a copy.",
         path=path,
     )
