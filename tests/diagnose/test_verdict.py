@@ -46,8 +46,11 @@ def test_a_store_has_the_verdict_of_the_known_effects(verdict):
 
 
 def test_zeros_and_formulas_explain_as_well():
-    """A cause of the zeros explains where nothing else is found, a formula where no known effect does."""
-    cause, formula = object(), SimpleNamespace(answer=Verdict.PARTLY_EXPLAINED)
+    """A cause of the zeros that matters explains where nothing else is found, a formula where no known effect does."""
+    cause, formula = SimpleNamespace(matters=True), SimpleNamespace(answer=Verdict.PARTLY_EXPLAINED)
+    harmless = diagnosis(Verdict.NOTHING_FOUND, [SimpleNamespace(matters=False)])
+    assert harmless.verdict is Verdict.NOTHING_FOUND
+    assert not harmless.is_missing
     assert diagnosis(Verdict.NOTHING_FOUND, [cause]).verdict is Verdict.EXPLAINED
     assert diagnosis(Verdict.BELOW_DETECTION, [cause], is_left=True).verdict is Verdict.PARTLY_EXPLAINED
     assert diagnosis(Verdict.NOT_EXPLAINED, [cause]).verdict is Verdict.NOT_EXPLAINED
