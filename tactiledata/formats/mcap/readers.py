@@ -36,6 +36,9 @@ TO_SI = {
     ("deg", "rad"): 0.017453292519943295,
     ("mN", "N"): 1e-3,
     ("kN", "N"): 1e3,
+    ("gf", "N"): 9.80665e-3,
+    ("kgf", "N"): 9.80665,
+    ("lbf", "N"): 4.4482216152605,
     ("N mm", "N m"): 1e-3,
     ("Nmm", "N m"): 1e-3,
     ("Nm", "N m"): 1.0,
@@ -160,9 +163,10 @@ def unit_factors(role: SignalRole) -> list[float]:
         elif (unit, wanted) in TO_SI:
             factors.append(TO_SI[(unit, wanted)])
         else:
+            others = [known for known, of_column in TO_SI if of_column == wanted]
             raise SchemaError(
                 f"the mapping's signals.{role.name} states {unit!r} for {field}",
-                f"{wanted!r} or a unit of the same kind",
+                f"{wanted!r}" + (f", or one of {', '.join(others)}, which is brought to it" if others else ""),
                 path=f"$.signals.{role.name}.units",
             )
     return factors

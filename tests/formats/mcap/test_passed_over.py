@@ -93,9 +93,14 @@ def test_stated_units_of_a_known_type_are_applied(tmp_path):
     [(scaled, _)] = read(FORMAT, path, mapping)
     factors = [1e-3] * 3 + [1.0] * 3
     np.testing.assert_allclose(scaled.signals["wrench"].values, plain.signals["wrench"].values * factors, rtol=1e-12)
-    mapping["signals"]["wrench"]["units"][0] = "m"
-    with pytest.raises(SchemaError, match="states 'm'"):
-        read(FORMAT, path, mapping)
+    mapping["signals"]["wrench"]["units"] = ["gf", "kgf", "lbf"] + ["N m"] * 3
+    [(scaled, _)] = read(FORMAT, path, mapping)
+    factors = [9.80665e-3, 9.80665, 4.4482216152605] + [1.0] * 3
+    np.testing.assert_allclose(scaled.signals["wrench"].values, plain.signals["wrench"].values * factors, rtol=1e-12)
+    for wrong in ("m", "g"):
+        mapping["signals"]["wrench"]["units"][0] = wrong
+        with pytest.raises(SchemaError, match=f"states '{wrong}' .*'N', or one of mN, kN, gf, kgf, lbf"):
+            read(FORMAT, path, mapping)
 
 
 def test_units_that_cannot_be_applied_are_refused(tmp_path):
