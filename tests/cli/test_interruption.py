@@ -10,6 +10,8 @@ import os, signal, sys, time
 from tactiledata.cli import failure, main
 
 failure.AGAIN_S = 0.2
+# what runs in the background ignores Ctrl-C, and so does what it starts
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 @main.app.command("stand-in")
 def stand_in() -> None:

@@ -82,7 +82,7 @@ def test_other_gels_are_played_where_effects_take_part_that_need_them(tmp_path, 
     """A proof plays the other gels of all effects if it is told to, and no other gel if it is not."""
     asked = []
 
-    def play(*given, full):
+    def play(*given, estimates, full):
         asked.append(set(given[-1]))
         raise KeyboardInterrupt
 

@@ -94,7 +94,7 @@ class PlayedPlan:
         @cache
         def plays_with(full: frozenset[GelVariant]) -> list[TouchPlays]:
             return play_touches(
-                plan.mesh, fidelity, touches, plan.bounds, runner, progress, wanted, estimates, full=full
+                plan.mesh, fidelity, touches, plan.bounds, runner, progress, wanted, estimates=estimates, full=full
             )
 
         plays = plays_with(frozenset())
