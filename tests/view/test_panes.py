@@ -54,7 +54,7 @@ def test_the_wide_layout_has_columns():
 
 
 def test_tabs_of_several_cameras_are_told_apart():
-    """With several cameras each tab names its own."""
+    """With several cameras the name of each tab begins with that of its camera."""
     first = stacked_panes(("left", "right"), (), False).root_container.contents[0]
     names = [view.name for view in first.contents]
     assert len(set(names)) == len(names) == 8

@@ -24,7 +24,8 @@ SURELY_FREE = 0.5
 long as it was in the air, and the median of both was up to 0.1 N off."""
 
 LIGHT_FREE = 0.7
-"""The same share of the samples before a light touch is noticed, as averages notice it earlier."""
+"""Share of the samples before averages show a light touch that is free air for sure; they show it earlier than single
+readings do."""
 
 AVERAGED = 0.3
 """Seconds over which readings are averaged where a light touch is sought: more than a period of an arm's vibration."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Collection, Iterator
 
 import google_crc32c
@@ -95,9 +94,9 @@ def source_value_findings(
     """
     opened = {} if rows is None else rows
     try:
-        spans = list(recorded_spans(home_of(store.manifest), json.loads(contents), frames))
-    except (ValueError, TypeError, KeyError, AttributeError) as error:
-        yield _damage(f"what the table of sources says of {key} cannot be read: {error}", "")
+        spans = recorded_spans(home_of(store.manifest), key, contents, frames)
+    except TactileDataError as error:
+        yield _damage(error.found, "")
         return
     for path, start, stop, crc in spans:
         if not is_asked(path):

@@ -22,20 +22,34 @@ from tactiledata.store.read.files import StoreFiles
 from tactiledata.store.read.rows import Rows
 
 
-def recorded_spans(
-    home: str, contents: Mapping[str, Any], frames: tuple[int, int]
-) -> Iterator[tuple[str, int, int, int]]:
-    """Arrays, first rows, stops and CRC-32C of the numbers of one source, as the table of sources has them.
+def recorded_spans(home: str, key: str, contents: str, frames: tuple[int, int]) -> list[tuple[str, int, int, int]]:
+    """Return arrays, first rows, stops and CRC-32C of the numbers of one source, as the table of sources has them.
 
     Parameters
     ----------
     home : str
         Folder of the arrays in the store.
-    contents : dict
-        Of the source's row, read from JSON.
+    key, contents : str
+        Of the source's row.
     frames : (first, stop)
         Its rows in the table of frames.
+
+    Raises
+    ------
+    StoreError
+        The contents cannot be read.
     """
+    try:
+        return list(_spans(home, json.loads(contents), frames))
+    except (ValueError, TypeError, KeyError, AttributeError) as error:
+        raise StoreError(
+            f"what the table of sources says of {key} cannot be read: {error}",
+            "rows and checksums of each array",
+            "Run `tactiledata check` on the store; restore the file from a copy.",
+        ) from error
+
+
+def _spans(home: str, contents: Mapping[str, Any], frames: tuple[int, int]) -> Iterator[tuple[str, int, int, int]]:
     for name, facts in contents.get("signals", {}).items():
         yield from ((signal_path(home, name, array), *facts["rows"], facts["crc32c"][array]) for array in SIGNAL_ARRAYS)
     for name, facts in contents.get("aligned", {}).items():
@@ -89,13 +103,6 @@ class RecordedNumbers:
         for source in self._sources(["key", "frames", "contents"]).to_pylist():
             frames = (stop, stop + source["frames"])
             stop = frames[1]
-            try:
-                for path, first, last, crc in recorded_spans(self._home, json.loads(source["contents"]), frames):
-                    found.setdefault(path, []).append((source["key"], first, last, crc))
-            except (ValueError, TypeError, KeyError, AttributeError) as error:
-                raise StoreError(
-                    f"what the table of sources says of {source['key']} cannot be read: {error}",
-                    "rows and checksums of each array",
-                    "Run `tactiledata check` on the store; restore the file from a copy.",
-                ) from error
+            for path, first, last, crc in recorded_spans(self._home, source["key"], source["contents"], frames):
+                found.setdefault(path, []).append((source["key"], first, last, crc))
         return found

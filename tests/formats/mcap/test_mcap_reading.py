@@ -255,19 +255,6 @@ def test_a_mapping_that_cannot_be_meant_is_refused(tmp_path, signals, match):
         read_one(tmp_path / "run.mcap", {**MAPPING, "signals": signals})
 
 
-def test_pictures_of_another_topic_than_mapped_are_damage(tmp_path):
-    """They are not kept, so that the recording is damaged; where one mapped camera is found, nothing is said."""
-    touch(tmp_path / "run.mcap", count=4)
-    mapping = {**MAPPING, "images": {"digit": {"topic": "/no/such/camera"}}}
-    recording, _ = read_one(tmp_path / "run.mcap", mapping)
-    (found,) = [finding for finding in recording.findings if finding.code == "pictures-not-mapped"]
-    assert found.severity == "damage"
-    (topic,) = [word for word in found.message.replace(",", " ").split() if word.startswith("/")]
-    mapping["images"]["other"] = {"topic": topic}
-    recording, _ = read_one(tmp_path / "run.mcap", mapping)
-    assert "pictures-not-mapped" not in {finding.code for finding in recording.findings}
-
-
 def test_a_topic_that_is_not_there_is_said(tmp_path):
     """A mapping may name topics that one recording lacks: it is told, with near names."""
     touch(tmp_path / "run.mcap", count=4)

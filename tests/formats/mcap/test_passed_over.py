@@ -84,6 +84,19 @@ def test_what_is_read_or_not_there_is_not_said(tmp_path):
     assert left(own, mapping) == []
 
 
+def test_pictures_of_another_topic_than_mapped_are_damage(tmp_path):
+    """They are not kept, so that the recording is damaged; where one mapped camera is found, nothing is said."""
+    path = recorded(tmp_path / "run.mcap", [("image", "/digit/a"), ("wrench", "/robotiq_ft_wrench")])
+    mapping = {"format": "tactiledata-mapping/1", "images": {"digit": {"topic": "/no/such/camera"}}}
+    [(recording, _)] = read(FORMAT, path, mapping)
+    (found,) = [finding for finding in recording.findings if finding.code == "pictures-not-mapped"]
+    assert found.severity == "damage"
+    (topic,) = [word for word in found.message.replace(",", " ").split() if word.startswith("/")]
+    mapping["images"]["other"] = {"topic": topic}
+    [(recording, _)] = read(FORMAT, path, mapping)
+    assert "pictures-not-mapped" not in codes(recording)
+
+
 def test_stated_units_of_a_known_type_are_applied(tmp_path):
     """Units without fields hold for the numbers of the type: mN become N, and what is no force is refused."""
     path = recorded(tmp_path / "run.mcap", [("wrench", "/ati/raw")])
