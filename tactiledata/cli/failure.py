@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import _thread
 import signal
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -32,11 +32,12 @@ def repeated_interruption() -> Iterator[Callable[[], bool]]:
     A `KeyboardInterrupt` that is raised while code of others calls back is swallowed there, or turned into another
     error. Where Ctrl-C is handled or ignored already, nothing is changed.
     """
-    came, ended = threading.Event(), threading.Event()
+    came, ended, main = threading.Event(), threading.Event(), threading.get_ident()
 
     def repeat() -> None:
         while not ended.wait(AGAIN_S):
-            _thread.interrupt_main()
+            # a signal of its own also wakes a main thread that waits in the system
+            signal.pthread_kill(main, signal.SIGINT)
 
     def handle(number: int, frame: Any) -> None:
         if not came.is_set():
@@ -44,18 +45,25 @@ def repeated_interruption() -> Iterator[Callable[[], bool]]:
             threading.Thread(target=repeat, daemon=True).start()
         signal.default_int_handler(number, frame)
 
+    def drop(dropped: Any) -> None:
+        if not (came.is_set() and issubclass(dropped.exc_type, KeyboardInterrupt)):
+            before(dropped)
+
+    before = sys.unraisablehook
     is_ours = (
         threading.current_thread() is threading.main_thread()
         and signal.getsignal(signal.SIGINT) is signal.default_int_handler
     )
     if is_ours:
         signal.signal(signal.SIGINT, handle)
+        sys.unraisablehook = drop
     try:
         yield came.is_set
     finally:
         ended.set()
         if is_ours:
             signal.signal(signal.SIGINT, signal.default_int_handler)
+            sys.unraisablehook = before
 
 
 def report_failure(error: Exception, as_json: bool) -> int:

@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.report.drawing import drawing
 from tactiledata.report.marks import marks_by_label
 from tactiledata.report.page import LegendEntry, Panel, Picture
 
@@ -33,7 +34,8 @@ def panels_of(figure: Figure, caption: str) -> Picture:
     Parameters
     ----------
     figure : Figure
-        Figure whose subplots lie in one grid. It is drawn without background, and not changed.
+        Figure whose subplots lie in one grid. It is drawn without background, and not changed but in
+        the fonts that its texts fall back to.
     caption : str
         Text below the picture.
     """
@@ -45,7 +47,8 @@ def panels_of(figure: Figure, caption: str) -> Picture:
     for background in backgrounds:
         background.set_alpha(0.0)
     canvas = FigureCanvasAgg(figure)
-    canvas.draw()
+    with drawing(figure):
+        canvas.draw()
     drawn = np.asarray(canvas.buffer_rgba())[..., [2, 1, 0, 3]]
     for background, opacity in zip(backgrounds, opacities, strict=True):
         background.set_alpha(opacity)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from tactiledata.report.drawing import drawing
 from tactiledata.report.marks import AXIS_COLOURS, MEASURED, marks_by_label
 
 if TYPE_CHECKING:
@@ -18,6 +19,10 @@ if TYPE_CHECKING:
 
 WIDTH = 9.6
 """Width of a wide figure, inches: as wide as a page, so that texts keep their size."""
+
+
+DRAWN_FORCE = 1e300
+"""Forces beyond it, N, are drawn at it: the span of an axis would be no number."""
 
 
 @dataclass(frozen=True)
@@ -108,10 +113,11 @@ def _picture(axes: Axes, image: NDArray[np.uint8] | None, title: str) -> None:
 
 def _force(axes: Axes, touch: TouchPicture, is_last: bool) -> None:
     """Draw the measured force over time into a panel, with ticks at the images."""
-    for name, values in zip(AXIS_COLOURS, touch.force.T, strict=True):
+    force = np.clip(touch.force, -DRAWN_FORCE, DRAWN_FORCE)
+    for name, values in zip(AXIS_COLOURS, force.T, strict=True):
         label = f"{name.capitalize()} measured"
         axes.plot(touch.seconds, values, **MEASURED, color=AXIS_COLOURS[name], markersize=1.8, label=label)
-    low = np.nanmin(touch.force) if touch.force.size else 0.0
+    low = np.nanmin(force) if force.size else 0.0
     axes.plot(
         touch.frame_seconds,
         np.full(len(touch.frame_seconds), low),
@@ -150,5 +156,6 @@ def png_bytes(figure: Figure, dots_per_inch: int = 110, heading: str = "", has_l
             ncols=4, fontsize=8, frameon=False, markerscale=2,
         )  # fmt: skip
     stream = io.BytesIO()
-    figure.savefig(stream, format="png", dpi=dots_per_inch, metadata={"Software": None})
+    with drawing(figure):
+        figure.savefig(stream, format="png", dpi=dots_per_inch, metadata={"Software": None})
     return stream.getvalue()

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
+from numpy.typing import NDArray
 
 from tactiledata.contract.wording import counted
 from tactiledata.splits.assign import describe_held, draw, part_of
@@ -200,27 +201,35 @@ def _excluded(table: pa.Table) -> list[str]:
 def _empty_parts(
     table: pa.Table, options: SplitOptions, counts: Mapping[str, Count], wanted: list[str], is_free: bool
 ) -> list[str]:
+    drawn = np.isin(np.asarray(table["partition"].to_pylist(), object), SHARES)
+    has_frames = drawn & (table["frames"].to_numpy() > 0)
     notes = [
         f"{part} has {counted(counts[part].trajectories, 'trajectory')} and no frames"
+        + (_way_out(table, has_frames, " with frames", options, len(wanted), is_free) if has_frames.any() else "")
         for part in wanted
         if counts[part].trajectories and not counts[part].frames
     ]
     empty = [part for part in wanted if not counts[part].trajectories]
-    if not empty:
-        return notes
-    drawn = np.isin(np.asarray(table["partition"].to_pylist(), object), SHARES)
-    groups = sorted({group for group, taken in zip(table["group"].to_pylist(), drawn, strict=True) if taken})
-    seeds = _filling_seeds(groups, options, len(wanted)) if is_free else []
+    if empty:
+        way_out = _way_out(table, drawn, "", options, len(wanted), is_free)
+        notes.append(f"{' and '.join(empty)} got no trajectory{way_out}")
+    return notes
+
+
+def _way_out(
+    table: pa.Table, taken: NDArray[np.bool_], what: str, options: SplitOptions, n_wanted: int, is_free: bool
+) -> str:
+    """Why the rows that were taken leave a part without something, and what to do."""
+    groups = sorted({group for group, is_taken in zip(table["group"].to_pylist(), taken, strict=True) if is_taken})
+    if len(groups) < n_wanted:
+        few = f"{counted(len(groups), 'group')}{what} cannot fill {n_wanted} parts"
+        return f": {few}; add data, or ask for fewer parts with --fractions"
+    seeds = _filling_seeds(groups, options, n_wanted) if is_free else []
     hint = "try another seed (--seed N --replace), or add data"
     if seeds:
         others = f" (and so do {' and '.join(map(str, seeds[1:]))})" if seeds[1:] else ""
         hint = f"the same command with --seed {seeds[0]} --replace fills every part{others}"
-    few = f"{counted(len(groups), 'group')} are few for chance to fill every part"
-    if len(groups) < len(wanted):
-        few = f"{counted(len(groups), 'group')} cannot fill {len(wanted)} parts"
-        hint = "add data, or ask for fewer parts with --fractions"
-    notes.append(f"{' and '.join(empty)} got no trajectory: {few}; {hint}")
-    return notes
+    return f": {counted(len(groups), 'group')}{what} are few for chance to fill every part; {hint}"
 
 
 def _filling_seeds(groups: list[str], options: SplitOptions, n_wanted: int) -> list[int]:

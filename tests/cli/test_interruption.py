@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+import time
 
 import pytest
 
@@ -33,10 +34,21 @@ def ended(*lines):
 
 def test_an_interruption_that_was_swallowed_is_repeated():
     """Code of others may catch it while it calls back: the command would run to its end and exit with 0."""
+    began = time.monotonic()
     done = ended(*CAUGHT, "    pass", "time.sleep(50)")
+    # what waits in the system is woken
+    assert time.monotonic() - began < 30.0
     assert done.returncode == 130
     assert done.stderr.startswith("interrupted: ")
     assert "Traceback" not in done.stderr
+
+
+def test_an_interruption_that_a_callback_drops_is_repeated_without_a_word():
+    """Python prints an error of a callback from C, which nobody can catch; that of Ctrl-C is no news."""
+    calls = "import ctypes; ctypes.CFUNCTYPE(None)(lambda: {})()"
+    done = ended(calls.format("os.kill(os.getpid(), signal.SIGINT)"), "time.sleep(50)")
+    assert (done.returncode, done.stderr.count("\n")) == (130, 1)
+    assert "ZeroDivisionError" in ended(calls.format("1 / 0")).stderr
 
 
 def test_an_error_that_follows_an_interruption_is_no_fault():

@@ -192,6 +192,13 @@ def test_the_diagnosis_of_another_store_opens_no_label(sealed, tmp_path):
         score_planting(tmp_path / "nope", tmp_path / "d.json")
 
 
+@pytest.mark.parametrize("size", [0.0, -1.0, 1e3, 1e9, float("nan")])
+def test_a_size_that_cannot_be_planted_is_refused_with_both_limits(size):
+    """Who gives a size that is too large learns how large it may be."""
+    with pytest.raises(UsageError, match=r"a size of .* s; expected more than 0 and less than 1000"):
+        drawn_planting("lag", size)
+
+
 def test_chance_plants_everything_and_nothing():
     """With ``any``, each effect and nothing at all come up; sizes lie within their ranges."""
     drawn = [drawn_planting("any", None, seed) for seed in range(120)]

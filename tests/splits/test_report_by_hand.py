@@ -150,11 +150,30 @@ def test_fewer_groups_than_parts_cannot_fill_them():
     table = dealt(("train", 1, "A", "x"), ("val", 0, "A", "x"))
     notes = _empty_parts(table, NONE, count_parts(table), list(SHARES), True)
     assert notes == [
-        "val has 1 trajectory and no frames",
+        "val has 1 trajectory and no frames: 1 group with frames cannot fill 3 parts; add data, or ask for fewer parts "
+        "with --fractions",
         "test got no trajectory: 2 groups cannot fill 3 parts; add data, or ask for fewer parts with --fractions",
     ]
     whole = dealt(("train", 1, "A", "x"), ("val", 1, "A", "x"), ("test", 1, "A", "x"))
     assert _empty_parts(whole, NONE, count_parts(whole), list(SHARES), True) == []
+
+
+def test_a_part_without_frames_is_named_with_a_way_out(monkeypatch):
+    """Seeds are sought that give each part a group with frames; nothing is proposed where no group has any."""
+    sought = []
+    monkeypatch.setattr(
+        "tactiledata.splits.report._filling_seeds", lambda groups, options, wanted: sought.append(groups) or [4]
+    )
+    table = dealt(("train", 1, "A", "x"), ("train", 2, "A", "x"), ("val", 1, "A", "x"), ("test", 0, "A", "x"))
+    (note,) = _empty_parts(table, NONE, count_parts(table), list(SHARES), True)
+    assert note == (
+        "test has 1 trajectory and no frames: 3 groups with frames are few for chance to fill every part; "
+        "the same command with --seed 4 --replace fills every part"
+    )
+    assert sought == [sorted(table["group"].to_pylist()[:3])]
+    bare = dealt(("train", 0, "A", "x"), ("val", 0, "A", "x"), ("test", 0, "A", "x"))
+    notes = _empty_parts(bare, NONE, count_parts(bare), list(SHARES), True)
+    assert notes == [f"{part} has 1 trajectory and no frames" for part in SHARES]
 
 
 def test_only_parts_that_were_asked_for_can_be_empty():

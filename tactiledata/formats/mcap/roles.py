@@ -258,7 +258,7 @@ def _mapped_signal(
         remedy = "A pose with a rotation vector says so: rotation: rotation_vector." if name == "tcp" else ""
         raise SchemaError(f"the mapping's {place} has {len(fields)} fields", f"{len(wanted)}: {', '.join(wanted)}",
                           remedy, path=f"$.{place}")  # fmt: skip
-    units = tuple(entry.get("units", ()))
+    units = tuple("1" if unit == 1 else unit for unit in entry.get("units", ()))  # YAML reads a bare 1 as a number
     if units and len(units) != len(wanted):
         raise SchemaError(f"the mapping's {place} has {len(units)} units", f"{len(wanted)}", path=f"$.{place}.units")
     topic = _found(entry["topic"], known, place, findings)

@@ -21,6 +21,9 @@ from tactiledata.store.read.reader import Store
 
 FORMAT = "tactiledata-planted/1"
 
+MOST = 1e3
+"""Sizes below it can be planted, in the effect's unit."""
+
 
 def drawn_planting(effect: str, size: float | None, seed: int | None = None) -> Planting:
     """Return what is planted; what is not stated is drawn from the system's random numbers.
@@ -47,8 +50,10 @@ def drawn_planting(effect: str, size: float | None, seed: int | None = None) -> 
     if effect == NOTHING:
         return Planting(NOTHING, 0.0, seed)
     plant = find_plant(effect)
-    if size is not None and not 0.0 < size < 1e3:
-        raise UsageError(f"a size of {size:g} {plant.unit}", "more than 0", f"For example {plant.low:g}.")
+    if size is not None and not 0.0 < size < MOST:
+        raise UsageError(
+            f"a size of {size:g} {plant.unit}", f"more than 0 and less than {MOST:g}", f"For example {plant.low:g}."
+        )
     return Planting(effect, plant.drawn(chance) if size is None else size, seed)
 
 

@@ -144,3 +144,20 @@ def test_an_integer_field_of_ros_is_read(tmp_path):
     topic, _ = written(tmp_path / "run.mcap", "ros2")
     [(recording, _)] = read(FORMAT, tmp_path / "run.mcap", mapped(topic, "header.stamp.sec"))
     assert set(recording.signals["odd"].values[:, 0]) == {START // 10**9}
+
+
+@pytest.mark.parametrize("one", ["1", 1, 1.0])
+def test_a_bare_one_is_the_unit_of_a_field_without(tmp_path, one):
+    """YAML reads an unquoted 1 as a number."""
+    mapping = mapped(*written(tmp_path / "run.mcap", "json"))
+    mapping["signals"]["odd"]["units"] = [one]
+    [(recording, _)] = read(FORMAT, tmp_path / "run.mcap", mapping)
+    assert recording.signals["odd"].units == ("1",)
+
+
+def test_another_number_is_no_unit(tmp_path):
+    """Only 1 stands for a field without a unit."""
+    mapping = mapped(*written(tmp_path / "run.mcap", "json"))
+    mapping["signals"]["odd"]["units"] = [2]
+    with pytest.raises(SchemaError, match=r"\$\.signals\.odd\.units\[0\]: 2 is greater than the maximum of 1"):
+        read(FORMAT, tmp_path / "run.mcap", mapping)
