@@ -35,7 +35,8 @@ class Batch:
 
     def __exit__(self, kind: type[BaseException] | None, _: BaseException | None, __: TracebackType | None) -> None:
         if kind is not None:
-            for waiting in self._pending.values():
+            # a thread of Zarr may still write while an interruption unwinds
+            for waiting in list(self._pending.values()):
                 (self.root / waiting).unlink(missing_ok=True)
             self._pending.clear()
 
