@@ -12,6 +12,7 @@ from tactiledata.arrays import Array
 from tactiledata.contract.wording import counted
 from tactiledata.diagnose.residuals.wording import p_words, percent
 from tactiledata.diagnose.zeros.readings import ForceZeros
+from tactiledata.diagnose.zeros.wander import wandering_zero
 from tactiledata.diagnose.zeros.zero_models import FEWEST, centred, scatter_of, zero_models
 
 DRAWS = 299
@@ -133,7 +134,25 @@ def zero_causes(zeros: ForceZeros, seed: int = 0, band: float = 0.0) -> list[Zer
             cause = replace(cause, words=f"{words}: {within:.3f} N, {weight}.")
         causes.append(cause)
         taken, before = design, after
-    return causes
+    drifts = [cause for cause in causes if cause.effect == "sensor_drift"]
+    wander = _wander(zeros, drifts, band, seed)
+    return causes if wander is None else [*(cause for cause in causes if cause not in drifts), wander]
+
+
+def _wander(zeros: ForceZeros, drifts: Sequence[ZeroCause], band: float, seed: int) -> ZeroCause | None:
+    """Return a walk that matters, and changes the zero more than drifts since power-on do; ``None`` without one."""
+    found = wandering_zero(zeros, [drift.values["time"] for drift in drifts], seed)
+    least = max(band, WITHIN, *(drift.within or 0.0 for drift in drifts))
+    if found is None or found.explained < WORTH or found.within <= least:
+        return None
+    words = (
+        f"In free air, the force sensor's zero wanders by chance ({p_words(found.p)}): trajectories that are close in"
+        f" time have similar zeros. This explains {percent(found.explained)} of what a steady drift, weight and cable"
+        f" leave of the differences. From the free air to the end of a trajectory the zero changes by"
+        f" {found.within:.3f} N: forces are wrong by as much."
+    )
+    values = dict(zip(("walk_x", "walk_y", "walk_z"), found.walk.tolist(), strict=True))
+    return ZeroCause("sensor_drift", found.p, found.explained, found.before, found.after, values, words, found.within)
 
 
 def no_zeros(zeros: ForceZeros) -> str:

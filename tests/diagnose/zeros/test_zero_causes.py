@@ -2,43 +2,21 @@
 
 import numpy as np
 import pytest
+from drawn_zeros import zeros
 from recorded_touches import recorded_store
 
 from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.diagnose.zeros.causes import no_zeros, zero_causes
 from tactiledata.diagnose.zeros.readings import ForceZeros, StoreReadings, free_air_between
-from tactiledata.diagnose.zeros.zero_models import GRAVITY
 from tactiledata.ingest.clocks.align import POSE_COLUMNS
 from tactiledata.replay.opened import OpenedStore
 from tactiledata.store.read.reader import Store
 from tactiledata.store.read.signal_rows import SignalRows
 
-PIECES = 3
-
 
 def opened(place):
     """A store at a place, planned."""
     return OpenedStore.planned(Store.open(place), CalibrationOptions().pads)
-
-
-def zeros(seed=0, trajectories=24, scatter=0.03, mass=0.0, centre=(0.01, 0.0, 0.03), drift=0.0, cable=0.0, walk=0.0):
-    """Trajectories at poses of chance, zeroed once halfway; each has a zero of its own beside what is planted."""
-    rng = np.random.default_rng(seed)
-    down = np.array([0.0, 0.0, 1.0]) + rng.normal(0, 0.15, (trajectories, 3))
-    down = (down / np.linalg.norm(down, axis=1)[:, None]).repeat(PIECES, axis=0)
-    number = np.arange(trajectories).repeat(PIECES)
-    seconds = 60.0 + 40.0 * number + np.tile([0.0, 1.0, 2.0], trajectories)
-    joints = rng.uniform(-1, 1, (trajectories, 6)).repeat(PIECES, axis=0)
-    units = np.array([1.0, 1.0, 1.0, 0.05, 0.05, 0.05])
-    own = rng.normal(0, scatter, (trajectories, 6)) + np.cumsum(rng.normal(0, walk, (trajectories, 6)), axis=0)
-    load = own.repeat(PIECES, axis=0) * units + rng.normal(0, 0.01, (len(number), 6)) * units
-    force = mass * GRAVITY * down
-    load += np.hstack([force, np.cross(centre, force)])
-    load += drift * -np.expm1(-seconds / 300.0)[:, None] * np.array([0.5, 0.0, 1.0, 0.0, 0.02, 0.0])
-    load += cable * np.sin(joints[:, 5:]) * np.array([1.0, 0.3, 0.0, 0.0, 0.0, 0.01])
-    zeroed = (number >= trajectories // 2).astype(np.int64)
-    load -= np.where(zeroed[:, None] == 0, load[0], load[PIECES * (trajectories // 2)])
-    return ForceZeros(load, number, zeroed, down, seconds, np.full(len(number), 10.0), joints)
 
 
 def test_a_heavier_tool_is_found_with_its_mass_and_moment():
