@@ -9,8 +9,13 @@ PIECES = 3
 """Pieces of free air of each trajectory."""
 
 
-def zeros(seed=0, trajectories=24, scatter=0.03, mass=0.0, centre=(0.01, 0.0, 0.03), drift=0.0, cable=0.0, walk=0.0):
-    """Trajectories at poses of chance, zeroed once halfway; each has a zero of its own beside what is planted."""
+def zeros(
+    seed=0, trajectories=24, scatter=0.03, mass=0.0, centre=(0.01, 0.0, 0.03), drift=0.0, cable=0.0, rubs=0.0, walk=0.0
+):
+    """Trajectories at poses of chance, zeroed once halfway; each has a zero of its own beside what is planted.
+
+    The friction of a cable, `rubs`, has the sign of the last joint's turn since the trajectory before.
+    """
     rng = np.random.default_rng(seed)
     down = np.array([0.0, 0.0, 1.0]) + rng.normal(0, 0.15, (trajectories, 3))
     down = (down / np.linalg.norm(down, axis=1)[:, None]).repeat(PIECES, axis=0)
@@ -24,6 +29,8 @@ def zeros(seed=0, trajectories=24, scatter=0.03, mass=0.0, centre=(0.01, 0.0, 0.
     load += np.hstack([force, np.cross(centre, force)])
     load += drift * -np.expm1(-seconds / 300.0)[:, None] * np.array([0.5, 0.0, 1.0, 0.0, 0.02, 0.0])
     load += cable * np.sin(joints[:, 5:]) * np.array([1.0, 0.3, 0.0, 0.0, 0.0, 0.01])
+    turn = np.diff(joints[::PIECES, 5], prepend=0.0).repeat(PIECES)
+    load += rubs * np.sign(turn)[:, None] * np.array([1.0, 0.3, 0.0, 0.0, 0.0, 0.01])
     zeroed = (number >= trajectories // 2).astype(np.int64)
     load -= np.where(zeroed[:, None] == 0, load[0], load[PIECES * (trajectories // 2)])
     return ForceZeros(load, number, zeroed, down, seconds, np.full(len(number), 10.0), joints)

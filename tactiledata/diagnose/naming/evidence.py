@@ -125,9 +125,25 @@ class ScoredCandidate:
     def needed(self, thresholds: DecisionThresholds) -> float:
         """Return the evidence that a claim of the candidate needs beside the errors that the simulation then has.
 
-        Only the whole evidence has to reach it.
+        Only the whole evidence has to reach it. Less is enough where errors of the simulation resemble the effect, and
+        it shows as they do not (`is_confirmed`): they differ from trajectory to trajectory and between indenters.
         """
-        return thresholds.with_errors(self.error_size).needed(self.names)
+        share = thresholds.confirmed_share if self.is_confirmed(thresholds) else 1.0
+        return share * thresholds.with_errors(self.error_size).needed(self.names)
+
+    def is_confirmed(self, thresholds: DecisionThresholds) -> bool:
+        """Whether a single effect that errors of the simulation resemble shows in all trajectories, and everywhere.
+
+        The signature statistic of the plain fit's residual reaches ``decisive_signature``, and the gains on held-out
+        trajectories and on held-out indenters both have ``gain_sigmas`` standard errors.
+        """
+        return (
+            len(self.names) == 1
+            and thresholds.is_resembled(self.names)
+            and self.signature_before >= thresholds.decisive_signature
+            and self.gain >= thresholds.gain_sigmas * self.gain_error > 0
+            and self.indenter_gain >= thresholds.gain_sigmas * self.indenter_error > 0
+        )
 
     def _remains(self, thresholds: DecisionThresholds, times: float = 1.0) -> bool:
         """Whether so many times the evidence that a claim needs beside usual errors remains without the best two."""
@@ -135,8 +151,8 @@ class ScoredCandidate:
 
     def share_of_need(self, thresholds: DecisionThresholds) -> float:
         """Return the evidence beyond that which a claim needs, over the factor by which data and errors raise it."""
-        own = thresholds.with_errors(self.error_size)
-        return (self.evidence - own.needed(self.names)) / own.growth(self.names)
+        growth = thresholds.with_errors(self.error_size).growth(self.names)
+        return (self.evidence - self.needed(thresholds)) / growth
 
     def has_certain_gain(self, thresholds: DecisionThresholds) -> bool:
         """Whether there is a gain on held-out data, and it is more than chance.

@@ -9,13 +9,17 @@ import numpy as np
 
 from tactiledata.arrays import Array
 from tactiledata.diagnose.zeros.readings import ForceZeros
+from tactiledata.effects.sensor.cable_drag import with_play
 
 GRAVITY = 9.81
 """Acceleration of gravity in m/s^2."""
 TIMES = (100.0, 300.0, 900.0, 2700.0)
 """Time constants of a drift that are tried, in s."""
 FEWEST = 8
-"""Fewest trajectories with readings in free air; the cable, with its 18 columns, needs twice as many."""
+"""Fewest trajectories with readings in free air; the cable, with its 24 columns, needs twice as many."""
+CABLE_PLAY = 0.1
+"""Turn of the last joint, rad, over which the friction of a cable changes from one direction to the other: the play of
+`tactiledata.effects.sensor.cable_drag.CableDrag` that is usual. Joints turn farther between two touches."""
 
 
 @dataclass(frozen=True)
@@ -114,29 +118,53 @@ def _drift(zeros: ForceZeros, scale: Array, time: float) -> ZeroModel:
 
 
 def _cable(zeros: ForceZeros, scale: Array) -> ZeroModel:
-    """Return the model of the cable's drag: each component as sine and cosine of the last joint's angle, and linear in
-    the one before.
+    """Return the model of the cable's drag: each component as sine and cosine of the last joint's angle, linear in the
+    one before, and with the friction of a cable that follows the last joint.
     """
     assert zeros.joints is not None
     last, wrist = zeros.joints[:, 5], zeros.joints[:, 4]
-    shapes = np.stack([np.sin(last), np.cos(last), wrist - wrist.mean()], axis=1)
-    columns = np.concatenate([shapes[:, None, k, None] * np.eye(6) for k in range(3)], axis=2)
+    shapes = np.stack([np.sin(last), np.cos(last), wrist - wrist.mean(), cable_friction(zeros)], axis=1)
+    columns = np.concatenate([shapes[:, None, k, None] * np.eye(6) for k in range(shapes.shape[1])], axis=2)
 
     def words(values: dict[str, float]) -> str:
         """A clause on the amplitude of the cable's force."""
         size = np.hypot(values["sine"], values["cosine"])
-        return f"the force follows the angle of the last joint, by up to {size:.2f} N, as if a cable pulled on the tool"
+        return (
+            f"the force follows the angle of the last joint, by up to {size:.2f} N, and differs by"
+            f" {2.0 * values['friction']:.2f} N by the direction from which that joint came, as if a cable pulled on"
+            " the tool"
+        )
 
     return ZeroModel(
         "cable_drag",
         _shaped(zeros, columns, scale),
         lambda numbers: {
-            "sine": float(np.linalg.norm(numbers[:3])),
-            "cosine": float(np.linalg.norm(numbers[6:9])),
-            "wrist": float(np.linalg.norm(numbers[12:15])),
+            name: float(np.linalg.norm(numbers[6 * k : 6 * k + 3]))
+            for k, name in enumerate(("sine", "cosine", "wrist", "friction"))
         },
         words,
     )
+
+
+def cable_friction(zeros: ForceZeros) -> Array:
+    """Return the friction (n,) of a cable that follows the last joint, over its largest; 0 where a stretch between two
+    tares begins.
+
+    It grows until the cable slides, and keeps its sign until the joint comes back: the stop operator, the counterpart
+    of `with_play`.
+
+    Parameters
+    ----------
+    zeros : ForceZeros
+        The n pieces, with joint angles.
+    """
+    assert zeros.joints is not None
+    angle, friction = zeros.joints[:, 5], np.zeros(len(zeros))
+    for stretch in np.unique(zeros.zeroed):
+        members = np.flatnonzero(zeros.zeroed == stretch)
+        members = members[np.argsort(zeros.seconds[members], kind="stable")]
+        friction[members] = (angle[members] - with_play(angle[members], CABLE_PLAY)) / (0.5 * CABLE_PLAY)
+    return friction
 
 
 def _shaped(zeros: ForceZeros, columns: Array, scale: Array) -> Array:

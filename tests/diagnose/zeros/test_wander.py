@@ -9,6 +9,7 @@ from drawn_zeros import zeros
 from tactiledata.diagnose.zeros import wander
 from tactiledata.diagnose.zeros.causes import zero_causes
 from tactiledata.diagnose.zeros.wander import wandering_zero
+from tactiledata.diagnose.zeros.zero_models import cable_friction
 
 
 def walking(seed=0, walk=0.1, **more):
@@ -77,7 +78,8 @@ def test_the_likelihood_is_that_of_a_normal_distribution():
     first = np.unique(walked.trajectory, return_index=True)[1]
     together = walked.zeroed[first][:, None] == np.unique(walked.zeroed)
     seconds = walked.seconds[first]
-    design = wander._design(walked.down[first], walked.joints[first], seconds, together, ())
+    joints = np.column_stack([walked.joints[first, 4:], cable_friction(walked)[first]])
+    design = wander._design(walked.down[first], joints, seconds, together, ())
     _, covariance = wander._walk_covariance(seconds, together)
     basis = np.linalg.svd(design)[0][:, design.shape[1] :]
     sizes, axes = np.linalg.eigh(basis.T @ covariance @ basis)

@@ -8,6 +8,7 @@ from recorded_touches import recorded_store
 from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.diagnose.zeros.causes import no_zeros, zero_causes
 from tactiledata.diagnose.zeros.readings import ForceZeros, StoreReadings, free_air_between
+from tactiledata.diagnose.zeros.zero_models import CABLE_PLAY, cable_friction
 from tactiledata.ingest.clocks.align import POSE_COLUMNS
 from tactiledata.replay.opened import OpenedStore
 from tactiledata.store.read.reader import Store
@@ -54,6 +55,29 @@ def test_a_cable_is_found_where_joints_are_known():
     assert cause.effect == "cable_drag"
     unknown = ForceZeros(**{**vars(with_cable), "joints": None})
     assert not zero_causes(unknown)
+
+
+def test_a_cable_is_found_by_its_friction():
+    """What changes with the direction from which the last joint came is a cable; the sentence gives the difference."""
+    rubbing = zeros(rubs=0.3)
+    (cause,) = zero_causes(rubbing)
+    assert cause.effect == "cable_drag"
+    assert cause.values["friction"] == pytest.approx(0.3 * np.hypot(1.0, 0.3), rel=0.15)
+    assert f"differs by {2 * cause.values['friction']:.2f} N" in cause.words
+    # a joint that turns to and fro by less than the play leaves the cable where it is
+    still = ForceZeros(**{**vars(rubbing), "joints": 0.01 * rubbing.joints})
+    assert not zero_causes(still)
+
+
+def test_friction_follows_the_last_joint_until_it_turns_back():
+    """Over its largest: half a play turns it from 0 to 1, a whole one from 1 to -1; at a tare it begins anew."""
+    turned = zeros(trajectories=4)
+    angle = CABLE_PLAY * np.array([0.0, 0.25, 0.5, 2.0, 1.5, 1.0, 1.0, 0.0, 0.5, 0.5, 0.75, 0.0])
+    planted = ForceZeros(
+        **{**vars(turned), "joints": np.column_stack([turned.joints[:, :5], angle]), "zeroed": np.arange(12) // 8}
+    )
+    expected = [0.0, 0.5, 1.0, 1.0, 0.0, -1.0, -1.0, -1.0, 0.0, 0.0, 0.5, -1.0]
+    np.testing.assert_allclose(cable_friction(planted), expected, atol=1e-9)
 
 
 def test_two_causes_are_both_found():
