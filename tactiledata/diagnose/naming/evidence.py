@@ -132,14 +132,13 @@ class ScoredCandidate:
         return share * thresholds.with_errors(self.error_size).needed(self.names)
 
     def is_confirmed(self, thresholds: DecisionThresholds) -> bool:
-        """Whether a single effect that errors of the simulation resemble shows in all trajectories, and everywhere.
+        """Whether an effect that errors of the simulation resemble shows in all trajectories, and on all indenters.
 
-        The signature statistic of the plain fit's residual reaches ``decisive_signature``, and the gains on held-out
+        Such an error does not, but for some (`DecisionThresholds.is_told_by_agreement`). The signature statistic of the plain fit's residual reaches ``decisive_signature``, and the gains on held-out
         trajectories and on held-out indenters both have ``gain_sigmas`` standard errors.
         """
         return (
-            len(self.names) == 1
-            and thresholds.is_resembled(self.names)
+            thresholds.is_told_by_agreement(self.names)
             and self.signature_before >= thresholds.decisive_signature
             and self.gain >= thresholds.gain_sigmas * self.gain_error > 0
             and self.indenter_gain >= thresholds.gain_sigmas * self.indenter_error > 0

@@ -40,6 +40,9 @@ CLAIM_EVIDENCE: Mapping[str, float] = MappingProxyType({
     "adhesion": 20.0,
 })  # fmt: skip
 """Evidence that an effect needs where errors of the simulation resemble it; the others need ``USUAL_CLAIM``."""
+ALIKE_EVERYWHERE = frozenset({"static_friction"})
+"""Effects that errors of the simulation resemble in every touch alike, so that touches agree on such an error, too:
+solvers differ in how shear builds up before a contact slides."""
 USUAL_CLAIM = 12.0
 """Evidence that an effect needs which errors of a simulation do not resemble."""
 USUAL_CLAIMS: Mapping[str, float] = MappingProxyType({"rate_friction": 20.0})
@@ -215,6 +218,10 @@ class DecisionThresholds:
     def is_resembled(self, names: Sequence[str]) -> bool:
         """Return whether errors of a simulation resemble one of these effects."""
         return any(name in self.claims for name in names)
+
+    def is_told_by_agreement(self, names: Sequence[str]) -> bool:
+        """Return whether agreement of all touches tells one effect from the errors of a simulation that resemble it."""
+        return len(names) == 1 and self.is_resembled(names) and names[0] not in ALIKE_EVERYWHERE
 
     def cause_share(self, names: Sequence[str]) -> float:
         """Return the share of the excess that effects must remove where more than the stated noise is left."""
