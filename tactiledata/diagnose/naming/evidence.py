@@ -134,8 +134,9 @@ class ScoredCandidate:
     def is_confirmed(self, thresholds: DecisionThresholds) -> bool:
         """Whether an effect that errors of the simulation resemble shows in all trajectories, and on all indenters.
 
-        Such an error does not, but for some (`DecisionThresholds.is_told_by_agreement`). The signature statistic of the plain fit's residual reaches ``decisive_signature``, and the gains on held-out
-        trajectories and on held-out indenters both have ``gain_sigmas`` standard errors.
+        Such an error does not, but for some (`DecisionThresholds.is_told_by_agreement`). The signature statistic of the
+        plain fit's residual reaches ``decisive_signature``, and the gains on held-out trajectories and on held-out
+        indenters both have ``gain_sigmas`` standard errors.
         """
         return (
             thresholds.is_told_by_agreement(self.names)
