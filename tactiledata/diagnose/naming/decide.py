@@ -276,15 +276,17 @@ def _outweighing(
     """Return the single effect that takes the name of the best one, or of two, away, if any.
 
     It has ``outweighed`` times the evidence, cannot be claimed, and acts in the same slot; or it is any such effect
-    where errors of the simulation resemble the best one. Of several, the one with most evidence is returned.
+    where errors of the simulation resemble the best one, and agreement does not tell it from them (`is_confirmed`). Of
+    several, the one with most evidence is returned.
     """
     slots = {str(EFFECTS[name].slot) for name in best.names}
+    is_like_errors = thresholds.is_resembled(best.names) and not best.is_confirmed(thresholds)
     more = [
         one
         for one in ranked
         if one.evidence > thresholds.outweighed * best.evidence
         and one.objections(thresholds)
         and not set(one.names) & set(best.names)
-        and (thresholds.is_resembled(best.names) or EFFECTS[one.names[0]].slot in slots)
+        and (is_like_errors or EFFECTS[one.names[0]].slot in slots)
     ]
     return max(more, key=_evidence, default=None)

@@ -128,8 +128,8 @@ class DecisionThresholds:
         See ``crowd``.
     outweighed : float
         Multiple of the best candidate's evidence from which another single effect that cannot be claimed takes the name
-        away, if it acts in the same slot, or if errors of the simulation resemble the best one: what the data show most
-        of is then something else.
+        away, if it acts in the same slot, or if errors of the simulation resemble the best one and agreement does not
+        tell it from them: what the data show most of is then something else.
     trace_share : float
         Share of the needed evidence that is enough for a trace.
     special_case_evidence : float

@@ -302,6 +302,20 @@ def test_more_evidence_for_what_cannot_be_claimed_takes_a_name_away(best, is_tak
     assert decided([able, with_evidence(best, able.evidence / 2, change=along(1))]).claimed == (best,)
 
 
+def test_agreement_keeps_the_name_beside_more_evidence_of_another_slot():
+    """A soft edge on which trajectories and indenters agree stands beside static friction; a friction does not."""
+    outweighing = with_evidence("static_friction", 0.9 * T.claim("static_friction"), change=along(0))
+    agreed = {"signature_before": T.decisive_signature, "indenter_gain": 1.01 * T.gain_sigmas, "indenter_error": 1.0}
+    for best, told, is_named in (
+        ("pad_edge", agreed, True),
+        ("pad_edge", {**agreed, "signature_before": 0.99 * T.decisive_signature}, False),
+        ("area_friction", agreed, False),
+    ):
+        evidence = 0.95 * outweighing.evidence / T.outweighed
+        named = with_evidence(best, evidence, change=along(1), **{"gains": scattered(evidence, 2.1), **told})
+        assert decided([outweighing, named]).claimed == ((best,) if is_named else ())
+
+
 def test_an_effect_that_errors_resemble_needs_a_plausible_gel():
     """It needs twice the evidence with nu at an end of its range; E and mu may stand there, nu beside other effects."""
     for at_bounds, is_named in ((("nu",), False), (("mu",), True), (("E",), True), ((f"{HARD} time",), True)):
