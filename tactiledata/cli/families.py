@@ -137,7 +137,9 @@ def inspect(
         for key, reason in failed.items():
             say(f"{key}: cannot be read: {reason}")
         say_left_alone(map(str, left))
-        findings(("", finding) for finding in said)
+        is_one = len(sources) == 1
+        of_sources = ((item.source.key, finding) for item in inspections for finding in item.findings)
+        findings([*(("" if is_one else key, finding) for key, finding in of_sources), *(("", item) for item in said)])
         say(NOT_CHECKED)
     if failed or any(finding.severity == "damage" for inspection in inspections for finding in inspection.findings):
         raise typer.Exit(1)
@@ -192,7 +194,7 @@ def _document(item: Any) -> dict[str, Any]:
 
 
 def _print_preview(item: Any) -> None:
-    """Print facts, streams and findings of one source, and what ingest would make of it."""
+    """Print facts and streams of one source, and what ingest would make of it."""
     inspection, take = item.inspection, item.take
     source = inspection.source
     say(f"{source.key}: {source.format}, {counted(len(source.files), 'file')}")
@@ -210,7 +212,6 @@ def _print_preview(item: Any) -> None:
     if take is not None:
         made = f"{counted(take.trajectories.num_rows, 'trajectory')} and {counted(take.frames.num_rows, 'frame')}"
         say(f"  ingest would make: {made}, status {item.status}")
-    findings(("", finding) for finding in inspection.findings)
 
 
 def _fact_lines(facts: Mapping[str, Any]) -> Iterator[str]:

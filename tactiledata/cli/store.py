@@ -33,7 +33,7 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
 
     Example: tactiledata info ds.zarr
     """
-    from tactiledata.store.read.overview import overview
+    from tactiledata.store.read.overview import found_in, overview
     from tactiledata.store.read.reader import Store
     from tactiledata.store.read.simulated import simulated_recordings
 
@@ -41,8 +41,9 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
     with damage_explains(location):
         opened = Store.open(location)
         facts = overview(opened)
+        told = found_in(opened) if as_json else []
     if as_json:
-        emit(facts)
+        emit({**facts, "all_findings": told})
         return
     # recordings, sensors, indenters and signals
     say(
