@@ -101,7 +101,7 @@ def effects(as_json: bool = JSON_OPTION) -> None:
 def inspect(
     path: Path = typer.Argument(..., help="A recording, or a folder of recordings."),
     suggest_mapping: bool = typer.Option(
-        False, "--suggest-mapping", help="Print a draft of a mapping file for this recording."
+        False, "--suggest-mapping", help="Print a draft of one mapping file for all recordings of PATH."
     ),
     mapping: Path = typer.Option(None, "--mapping", help="Read the recording by this mapping file."),
     as_json: bool = JSON_OPTION,
@@ -122,13 +122,14 @@ def inspect(
     inspections = [item.inspection for item in previews]
     left, said = unclaimed_findings(unclaimed)
     if suggest_mapping:
-        _print_mapping(inspections, failed)
+        _print_mapping(inspections, failed, document)
     elif as_json:
         emit({
             "sources": [_document(item) for item in previews],
             "failed": [{"key": key, "error": reason} for key, reason in failed.items()],
             "unclaimed": [str(item) for item in left],
             "findings": [vars(finding) for finding in said],
+            "suggested_mapping": _drafted(inspections, document)[0],
             "not_checked": NOT_CHECKED,
         })  # fmt: skip
     else:
@@ -160,13 +161,22 @@ def _previews(sources: list[Any], mapping: Any) -> tuple[list[Any], dict[str, st
     return compared(previews), failed
 
 
-def _print_mapping(inspections: list[Any], failed: dict[str, str]) -> None:
-    """Print the first draft of a mapping; refuse recordings that need none."""
+def _drafted(inspections: list[Any], mapping: Any) -> tuple[Any, str]:
+    """Return one mapping for all recordings that need one, as a document and as text; ``None`` where none does."""
+    from tactiledata.formats import FORMATS
+
+    mapped = [item for item in inspections if item.suggested_mapping is not None]
+    alike = [item for item in mapped if item.source.format == mapped[0].source.format]
+    return FORMATS[alike[0].source.format]().draft(alike, mapping) if alike else (None, "")
+
+
+def _print_mapping(inspections: list[Any], failed: dict[str, str], mapping: Any) -> None:
+    """Print the draft of a mapping for all recordings; refuse recordings that need none."""
     for key, reason in failed.items():
         err().print(plain(f"{key}: cannot be read: {reason}"))
-    suggestions = [item.suggested_text for item in inspections if item.suggested_mapping is not None]
-    if suggestions:
-        typer.echo(suggestions[0], nl=False)
+    draft, text = _drafted(inspections, mapping)
+    if draft is not None:
+        typer.echo(text, nl=False)
     elif inspections:
         source = inspections[0].source
         raise UsageError(

@@ -35,8 +35,11 @@ LEAST_DONE = 0.05
 UNSEEN = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
 """Characters that steer a terminal or turn the direction of writing, such as a name in a recording may hold."""
 
-MOST_ALIKE = 3
-"""Findings that say the same of several things and are printed one by one; of more, the first, and as many places."""
+MOST_ALIKE = 2
+"""Findings that say the same of several things and are printed one by one; of more, only the first is."""
+
+MOST_PLACES = 3
+"""Places that are named of the others."""
 
 COLOURS = {"damage": "red", "warning": "yellow", "info": "dim"}
 
@@ -144,7 +147,7 @@ def _finding_lines(found: list[tuple[str, Finding]]) -> Iterator[tuple[int, str]
             yield 1, f"  [{colour}]{finding.severity:<7}[/{colour}] {text}"
         if others := group[whole:]:
             named = list(dict.fromkeys(where or finding.trajectory or finding.stream for where, finding in others))
-            where = f", in {plain(listed(named, MOST_ALIKE))}" if all(named) else ""
+            where = f", in {plain(listed(named, MOST_PLACES))}" if all(named) else ""
             yield len(others), f"          and {len(others)} more like it{where}"
 
 

@@ -30,7 +30,7 @@ def test_findings_alike_are_printed_once_with_their_places(capsys):
         "and 4 more like it, in day1, day2, day3 …",
         "all of them: --json",
     ]
-    assert len(printed(capsys, gaps(3))) == 3
+    assert len(printed(capsys, gaps(2))) == 2
 
 
 def test_other_words_and_other_codes_stay_apart(capsys):
