@@ -57,6 +57,9 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
         ("sensor", "model", "trajectories", "images"),
         [(name, row["model"] or "-", row["trajectories"], row["frames"]) for name, row in facts["by_sensor"].items()],
     )
+    idle = [name for name, row in facts["by_sensor"].items() if not row["trajectories"] and not row["frames"]]
+    if idle:
+        say(f"without a trajectory or an image, so that no split holds it: {', '.join(idle)}")
     table(
         "",
         ("indenter", "trajectories", "images"),
