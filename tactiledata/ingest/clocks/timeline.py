@@ -143,8 +143,8 @@ def _measured(signal: Signal) -> tuple[Signal, list[Finding]]:
     """The samples that a sensor may have given; one with a number beyond ``LARGEST`` is damaged as a whole."""
     columns = [column for column, unit in enumerate(signal.units) if unit in MEASURED_UNITS]
     size = np.abs(signal.values[:, columns])
-    is_beyond = np.isfinite(size) & (size > LARGEST)
-    beyond = is_beyond.any(axis=1)
+    is_beyond: NDArray[np.bool_] = np.isfinite(size) & (size > LARGEST)
+    beyond: NDArray[np.bool_] = np.asarray(is_beyond.any(axis=1))
     if not beyond.any():
         return signal, []
     row, column = np.argwhere(is_beyond)[0]
