@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from tactiledata.errors import UnknownName
+from tactiledata.errors import SchemaError, UnknownName
 
 
 @dataclass(frozen=True)
@@ -46,6 +46,20 @@ SIGNAL_COLUMNS: dict[str, tuple[str, ...]] = {
 TO_METRES: dict[str, float] = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "cm": 1e-2, "in": 0.0254}
 """Factors for lengths in documents that say their unit."""
 
+TO_SI = {
+    **{(name, "m"): factor for name, factor in TO_METRES.items()},
+    ("deg", "rad"): 0.017453292519943295,
+    ("mN", "N"): 1e-3,
+    ("kN", "N"): 1e3,
+    ("gf", "N"): 9.80665e-3,
+    ("kgf", "N"): 9.80665,
+    ("lbf", "N"): 4.4482216152605,
+    ("N mm", "N m"): 1e-3,
+    ("Nmm", "N m"): 1e-3,
+    ("Nm", "N m"): 1.0,
+}
+"""Factors from a unit that a document states to the unit of the column."""
+
 
 def metres(value: float, unit: str) -> float:
     """Return a length in metres, from a value and the unit that a document states; refuse units not in the table."""
@@ -57,3 +71,30 @@ def metres(value: float, unit: str) -> float:
 def signal_units(columns: tuple[str, ...]) -> tuple[str, ...]:
     """Return the unit of each column, ``"?"`` where the table does not know the column."""
     return tuple(FIELDS[column].unit if column in FIELDS else "?" for column in columns)
+
+
+def unit_factor(unit: str, wanted: str, column: str, place: str, path: str) -> float:
+    """Return the factor from a stated unit to the unit in which a column is kept.
+
+    Parameters
+    ----------
+    unit, wanted : str
+        The unit that a document states, and that of the column.
+    column, place, path : str
+        What has the unit, who states it, and where in the document, for the message.
+
+    Raises
+    ------
+    SchemaError
+        A unit that cannot become the column's.
+    """
+    if unit == wanted:
+        return 1.0
+    if (unit, wanted) in TO_SI:
+        return TO_SI[(unit, wanted)]
+    others = [known for known, of_column in TO_SI if of_column == wanted]
+    raise SchemaError(
+        f"{place} states {unit!r} for {column}",
+        f"{wanted!r}" + (f", or one of {', '.join(others)}, which is brought to it" if others else ""),
+        path=path,
+    )

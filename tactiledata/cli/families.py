@@ -101,7 +101,7 @@ def effects(as_json: bool = JSON_OPTION) -> None:
 def inspect(
     path: Path = typer.Argument(..., help="A recording, or a folder of recordings."),
     suggest_mapping: bool = typer.Option(
-        False, "--suggest-mapping", help="Print a draft of a mapping file for this recording."
+        False, "--suggest-mapping", help="Print a draft of one mapping file for all recordings of PATH."
     ),
     mapping: Path = typer.Option(None, "--mapping", help="Read the recording by this mapping file."),
     as_json: bool = JSON_OPTION,
@@ -122,13 +122,14 @@ def inspect(
     inspections = [item.inspection for item in previews]
     left, said = unclaimed_findings(unclaimed)
     if suggest_mapping:
-        _print_mapping(inspections, failed)
+        _print_mapping(inspections, failed, document)
     elif as_json:
         emit({
             "sources": [_document(item) for item in previews],
             "failed": [{"key": key, "error": reason} for key, reason in failed.items()],
             "unclaimed": [str(item) for item in left],
             "findings": [vars(finding) for finding in said],
+            "suggested_mapping": _drafted(inspections, document)[0],
             "not_checked": NOT_CHECKED,
         })  # fmt: skip
     else:
@@ -137,7 +138,9 @@ def inspect(
         for key, reason in failed.items():
             say(f"{key}: cannot be read: {reason}")
         say_left_alone(map(str, left))
-        findings(("", finding) for finding in said)
+        is_one = len(sources) == 1
+        of_sources = ((item.source.key, finding) for item in inspections for finding in item.findings)
+        findings([*(("" if is_one else key, finding) for key, finding in of_sources), *(("", item) for item in said)])
         say(NOT_CHECKED)
     if failed or any(finding.severity == "damage" for inspection in inspections for finding in inspection.findings):
         raise typer.Exit(1)
@@ -158,13 +161,22 @@ def _previews(sources: list[Any], mapping: Any) -> tuple[list[Any], dict[str, st
     return compared(previews), failed
 
 
-def _print_mapping(inspections: list[Any], failed: dict[str, str]) -> None:
-    """Print the first draft of a mapping; refuse recordings that need none."""
+def _drafted(inspections: list[Any], mapping: Any) -> tuple[Any, str]:
+    """Return one mapping for all recordings that need one, as a document and as text; ``None`` where none does."""
+    from tactiledata.formats import FORMATS
+
+    mapped = [item for item in inspections if item.suggested_mapping is not None]
+    alike = [item for item in mapped if item.source.format == mapped[0].source.format]
+    return FORMATS[alike[0].source.format]().draft(alike, mapping) if alike else (None, "")
+
+
+def _print_mapping(inspections: list[Any], failed: dict[str, str], mapping: Any) -> None:
+    """Print the draft of a mapping for all recordings; refuse recordings that need none."""
     for key, reason in failed.items():
         err().print(plain(f"{key}: cannot be read: {reason}"))
-    suggestions = [item.suggested_text for item in inspections if item.suggested_mapping is not None]
-    if suggestions:
-        typer.echo(suggestions[0], nl=False)
+    draft, text = _drafted(inspections, mapping)
+    if draft is not None:
+        typer.echo(text, nl=False)
     elif inspections:
         source = inspections[0].source
         raise UsageError(
@@ -192,7 +204,7 @@ def _document(item: Any) -> dict[str, Any]:
 
 
 def _print_preview(item: Any) -> None:
-    """Print facts, streams and findings of one source, and what ingest would make of it."""
+    """Print facts and streams of one source, and what ingest would make of it."""
     inspection, take = item.inspection, item.take
     source = inspection.source
     say(f"{source.key}: {source.format}, {counted(len(source.files), 'file')}")
@@ -210,7 +222,6 @@ def _print_preview(item: Any) -> None:
     if take is not None:
         made = f"{counted(take.trajectories.num_rows, 'trajectory')} and {counted(take.frames.num_rows, 'frame')}"
         say(f"  ingest would make: {made}, status {item.status}")
-    findings(("", finding) for finding in inspection.findings)
 
 
 def _fact_lines(facts: Mapping[str, Any]) -> Iterator[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import Any
 
@@ -86,7 +87,8 @@ def _print(report: Any) -> None:
         [
             *((source.key, finding) for source in report.sources for finding in source.findings),
             *(("", finding) for finding in report.findings),
-        ]
+        ],
+        all_of_them=f"--json; those that were kept: {shlex.join(['tactiledata', 'info', str(report.store), '--json'])}",
     )
     for source in report.sources:
         if source.error:

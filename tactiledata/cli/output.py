@@ -19,6 +19,7 @@ from rich.progress import Progress as ProgressBar
 from rich.table import Table
 
 from tactiledata.contract.progress import Progress, no_progress
+from tactiledata.contract.wording import bare_wording, listed
 
 if TYPE_CHECKING:
     from tactiledata.contract.records import Finding
@@ -33,6 +34,12 @@ LEAST_DONE = 0.05
 
 UNSEEN = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
 """Characters that steer a terminal or turn the direction of writing, such as a name in a recording may hold."""
+
+MOST_ALIKE = 2
+"""Findings that say the same of several things and are printed one by one; of more, only the first is."""
+
+MOST_PLACES = 3
+"""Places that are named of the others."""
 
 COLOURS = {"damage": "red", "warning": "yellow", "info": "dim"}
 
@@ -63,8 +70,8 @@ def say_left_alone(paths: Iterable[str]) -> None:
     for path in map(Path, paths):
         folders.setdefault(str(path.parent), []).append(path.name)
     for folder, names in folders.items():
-        listed = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if names[3:] else "")
-        say(f"  left alone in {folder}: {listed}; no format claims them")
+        some = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if names[3:] else "")
+        say(f"  left alone in {folder}: {some}; no format claims them")
 
 
 def emit(document: Any) -> None:
@@ -84,12 +91,12 @@ def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> 
     rows : iterable of sequences
         Cells; integers get thousands separators.
     """
-    listed = [list(row) for row in rows]
+    cells = [list(row) for row in rows]
     drawn = Table(title=plain(title) if title else None, title_justify="left", box=None, pad_edge=False)
     for position, column in enumerate(columns):
-        numeric = bool(listed) and all(isinstance(row[position], int | float) for row in listed)
+        numeric = bool(cells) and all(isinstance(row[position], int | float) for row in cells)
         drawn.add_column(column, justify="right" if numeric else "left", overflow="fold")
-    for row in listed:
+    for row in cells:
         drawn.add_row(*(plain(f"{cell:,}" if isinstance(cell, int) else str(cell)) for cell in row))
     console = out()
     if not console.is_terminal:
@@ -97,20 +104,51 @@ def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> 
     console.print(drawn)
 
 
-def findings(found: Iterable[tuple[str, Finding]], most: int = 40) -> None:
-    """Print findings, the worst first; ``found`` are pairs of a place and a finding, of which ``most`` are printed."""
-    rank = {"damage": 0, "warning": 1, "info": 2}
-    listed = sorted(found, key=lambda pair: (rank[pair[1].severity], pair[1].code, pair[0]))
+def findings(found: Iterable[tuple[str, Finding]], most: int = 40, all_of_them: str = "--json") -> None:
+    """Print findings, the worst first; of many that say the same, one is printed and the places of some are named.
+
+    Parameters
+    ----------
+    found : iterable of pairs
+        A place, such as the name of a recording, and a finding.
+    most : int
+        How many lines are printed.
+    all_of_them : str
+        The option or command that prints all of them.
+    """
     console = out()
-    for where, finding in listed[:most]:
-        colour = COLOURS[finding.severity]
-        # some messages begin with the name of the recording; others begin with a stream that may have the same name
-        is_named = finding.message.startswith(f"{where}: ") and finding.stream != where
-        place = f"{where}: " if where and not is_named else ""
-        text = f"{plain(place)}{plain(finding.message)} \\[{finding.code}]"
-        console.print(f"  [{colour}]{finding.severity:<7}[/{colour}] {text}")
-    if len(listed) > most:
-        console.print(f"  … and {len(listed) - most} more (all of them: --json)")
+    every = list(found)
+    lines = list(_finding_lines(every))
+    for _, text in lines[:most]:
+        console.print(text)
+    if len(lines) > most:
+        console.print(f"  … and {sum(number for number, _ in lines[most:])} more")
+    if len(lines) > most or len(lines) < len(every):
+        console.print(f"  all of them: {plain(all_of_them)}")
+
+
+def _finding_lines(found: list[tuple[str, Finding]]) -> Iterator[tuple[int, str]]:
+    """Yield lines that tell findings, each with the number of findings that it stands for."""
+    rank = {"damage": 0, "warning": 1, "info": 2}
+    places = {where for where, _ in found if where}
+    alike: dict[tuple[str, str], list[tuple[str, Finding]]] = {}
+    for where, finding in sorted(found, key=lambda pair: (rank[pair[1].severity], pair[1].code, pair[0])):
+        names = (*places, finding.stream, finding.trajectory)
+        message = finding.message.removeprefix(f"{where}: ")
+        alike.setdefault((finding.code, bare_wording(message, names)), []).append((where, finding))
+    for group in alike.values():
+        whole = len(group) if len(group) <= MOST_ALIKE else 1
+        for where, finding in group[:whole]:
+            colour = COLOURS[finding.severity]
+            # some messages begin with the name of the recording; others begin with a stream that may have the same name
+            is_named = finding.message.startswith(f"{where}: ") and finding.stream != where
+            place = f"{where}: " if where and not is_named else ""
+            text = f"{plain(place)}{plain(finding.message)} \\[{finding.code}]"
+            yield 1, f"  [{colour}]{finding.severity:<7}[/{colour}] {text}"
+        if others := group[whole:]:
+            named = list(dict.fromkeys(where or finding.trajectory or finding.stream for where, finding in others))
+            where = f", in {plain(listed(named, MOST_PLACES))}" if all(named) else ""
+            yield len(others), f"          and {len(others)} more like it{where}"
 
 
 def time_left(done: int, total: int, seconds: float) -> str:

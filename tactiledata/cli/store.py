@@ -33,7 +33,7 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
 
     Example: tactiledata info ds.zarr
     """
-    from tactiledata.store.read.overview import overview
+    from tactiledata.store.read.overview import found_in, overview
     from tactiledata.store.read.reader import Store
     from tactiledata.store.read.simulated import simulated_recordings
 
@@ -41,8 +41,9 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
     with damage_explains(location):
         opened = Store.open(location)
         facts = overview(opened)
+        told = found_in(opened) if as_json else []
     if as_json:
-        emit(facts)
+        emit({**facts, "all_findings": told})
         return
     # recordings, sensors, indenters and signals
     say(
@@ -56,6 +57,9 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
         ("sensor", "model", "trajectories", "images"),
         [(name, row["model"] or "-", row["trajectories"], row["frames"]) for name, row in facts["by_sensor"].items()],
     )
+    idle = [name for name, row in facts["by_sensor"].items() if not row["trajectories"] and not row["frames"]]
+    if idle:
+        say(f"without a trajectory or an image, so that no split holds it: {', '.join(idle)}")
     table(
         "",
         ("indenter", "trajectories", "images"),

@@ -73,6 +73,15 @@ class LogDescription:
         """What the wrench stream means: sign, gravity, tare events."""
         return self.document.get("wrench", {})
 
+    @property
+    def units(self) -> Mapping[str, Any]:
+        """Units of the columns of a folder log's tables, by stream; a stream that is not named is in SI units."""
+        return self.document.get("units", {})
+
+    def without_units(self) -> LogDescription:
+        """The description of the same recording after its numbers were brought to SI units."""
+        return LogDescription({key: value for key, value in self.document.items() if key != "units"}, self.where)
+
     def clock_offset(self, stream: str) -> int:
         """Nanoseconds to add to a stream's stamps to reach the host clock; 0 where that is not known."""
         return self.stated_clock_offset(stream) or 0

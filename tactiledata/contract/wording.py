@@ -1,8 +1,15 @@
-"""Numbers of things in words."""
+"""Numbers of things in words, and messages that say the same of several things."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Iterable, Sequence
+
+QUOTED = re.compile(r"(?<!\w)'([^']*)'(?!\w)")
+"""A name in quotation marks; an apostrophe inside a word is none."""
+
+PREFIX = re.compile(r"\A[^\s:]+: ")
+"""What stands before the first colon of a message: the file, the stream or the thing that it is about."""
 
 
 def counted(number: int, noun: str) -> str:
@@ -52,3 +59,34 @@ def listed(names: Sequence[str], most: int) -> str:
     't1, t2 …'
     """
     return ", ".join(names[:most]) + (" …" if len(names) > most else "")
+
+
+def bare_wording(message: str, names: Iterable[str] = ()) -> str:
+    """A message without what differs from one recording to the next: numbers, names in quotes, and given names.
+
+    Parameters
+    ----------
+    message : str
+        A sentence with values.
+    names : iterable of str
+        Names without spaces that may stand in it, of recordings for example.
+
+    Examples
+    --------
+    >>> bare_wording("run1: wrench has 3 gaps (12.5 s)") == bare_wording("run2: wrench has 14 gaps (0.3 s)")
+    True
+    >>> bare_wording("sensor 'left' has no serial: left") == bare_wording("sensor 'right' has no serial: right")
+    True
+    >>> bare_wording("wrench has 3 gaps") == bare_wording("wrench stands still for 3 s")
+    False
+    """
+    known = {*names, *QUOTED.findall(message)}
+    bare = []
+    for word in QUOTED.sub("…", PREFIX.sub("… ", message, count=1)).split():
+        core = word.strip('()[],.;:`"')
+        differs = core in known or core == "…" or any(letter.isdigit() for letter in core)
+        if not differs:
+            bare.append(word)
+        elif bare[-1:] != ["…"]:
+            bare.append("…")
+    return " ".join(bare)

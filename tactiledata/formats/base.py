@@ -54,7 +54,7 @@ class Inspection:
     ``suggested_mapping`` is a document that fits ``schemas/mapping.json``; ``None`` where the format needs no mapping.
     ``suggested_text`` is the same as YAML, with remarks and alternatives in comments. ``recording`` is what
     `read` would give, from which ingest's checks are made; ``None`` where the format does not give it here, or `read`
-    would refuse.
+    would refuse. ``grounds`` is what `Format.draft` makes one mapping of several recordings from.
     """
 
     source: Source
@@ -64,6 +64,7 @@ class Inspection:
     suggested_mapping: Mapping[str, Any] | None = None
     suggested_text: str = ""
     recording: Recording | None = None
+    grounds: object = None
 
 
 class NoSink:
@@ -133,3 +134,17 @@ class Format(ABC):
         sink : ImageSink, optional
             Takes the images in their order; those that were not opened come without bytes.
         """
+
+    def draft(
+        self, inspections: Sequence[Inspection], mapping: Mapping[str, Any] | None = None
+    ) -> tuple[Mapping[str, Any] | None, str]:
+        """One mapping to start from for several recordings, as a document and as text; ``None`` where none is needed.
+
+        Parameters
+        ----------
+        inspections : sequence of Inspection
+            Made by `inspect`.
+        mapping : dict, optional
+            The mapping by which they were made.
+        """
+        return None, ""

@@ -201,7 +201,7 @@ def _read_and_stage(task: _Task, sha256: str) -> StagedTake:
         recording = FORMATS[source.format]().read(source, spool, task.options.mapping)
         spool.close()
         images = SpooledImages(spool.folder, spool.columns())
-        # numbers of 1e300 are no forces: they overflow to inf without a word, and `force-out-of-range` counts them
+        # readings beyond 1e8 are left out; other numbers, of fields without such a unit, may overflow to inf
         with np.errstate(over="ignore", invalid="ignore"):
             take = _checked_take(recording, images, sha256, task.options)
         if task.options.strict:

@@ -11,6 +11,7 @@ from tactiledata.contract.simulated import SimulatedCount
 from tactiledata.contract.wording import counted
 from tactiledata.replay.effect_words import effects_in_words
 from tactiledata.replay.plan import ReplayPlan
+from tactiledata.replay.untouched import UntouchedTouch, untouched_lines, untouched_touches
 from tactiledata.store.read.meshes import HAS_MESH
 from tactiledata.store.read.reader import Store
 from tactiledata.store.read.simulated import simulated_recordings
@@ -42,6 +43,8 @@ class ReplayReport:
         Frames with a mesh, in contact or in free air.
     simulated : SimulatedCount
         How many of the store's recordings are themselves simulated.
+    untouched : tuple of UntouchedTouch
+        Trajectories that were pressed, as the measured forces say, and that never touch the gel in this mesh.
     """
 
     store: str
@@ -55,6 +58,7 @@ class ReplayReport:
     refused: Mapping[str, tuple[str, ...]]
     with_mesh: int
     simulated: SimulatedCount
+    untouched: tuple[UntouchedTouch, ...] = ()
 
     @classmethod
     def of(cls, store: Store, name: str, plan: ReplayPlan, rows_before: int) -> ReplayReport:
@@ -93,6 +97,7 @@ class ReplayReport:
             refused=reasons,
             with_mesh=sum(counts[code] for code in HAS_MESH),
             simulated=simulated,
+            untouched=untouched_touches(store, name, plan),
         )
 
     @property
@@ -120,6 +125,7 @@ class ReplayReport:
         for reason, uids in self.refused.items():
             listed = ", ".join(uids[:3]) + (" …" if uids[3:] else "")
             lines.append(f"  {counted(len(uids), 'trajectory')} not replayed ({listed}): {reason}")
+        lines += untouched_lines(self.untouched, self.store)
         if self.simulated.sentence:
             lines.append(f"  {self.simulated.sentence}")
         return lines

@@ -16,15 +16,12 @@ import pyarrow as pa
 import pyarrow.compute as pc
 from numpy.typing import NDArray
 
-from tactiledata.contract.wording import counted
 from tactiledata.errors import UnknownName, UsageError
 from tactiledata.splits.groups import UNIT_KINDS, Groups, group_trajectories
 from tactiledata.splits.moments import SIDES
 from tactiledata.splits.options import EXCLUDED, SHARES, SplitOptions
-from tactiledata.splits.twins import UNNAMED
+from tactiledata.splits.twins import NAME_IT, UNNAMED, unnamed_sensors
 
-MOST_UNNAMED = 3
-"""Number of sensors without a serial that a note lists."""
 MIN_UNITS = 4
 """Fewer units of a kind than this, and ``auto`` holds none of them out: training needs several to generalise from."""
 HELD_SHARE = 0.2
@@ -98,15 +95,10 @@ def choose_held_out(trajectories: pa.Table, options: SplitOptions) -> tuple[dict
     held: dict[str, tuple[str, ...]] = {}
     notes: list[str] = []
     for kind in options.strata:
-        units = _recorded_units(trajectories, kind)
-        unnamed = [unit for unit in units if kind == "sensor" and unit.startswith(UNNAMED)]
-        if unnamed:
-            units = [unit for unit in units if unit not in unnamed]
-            shown = ", ".join(unnamed[:MOST_UNNAMED]) + (", …" if unnamed[MOST_UNNAMED:] else "")
-            notes.append(
-                f"{counted(len(unnamed), 'sensor')} without a serial ({shown}) may be fewer cameras than that: none is "
-                "held out as unseen; name the serial in a description or a mapping, and ingest again"
-            )
+        units = recorded_units(trajectories, kind)
+        if kind == "sensor" and (said := unnamed_sensors(units)):
+            units = [unit for unit in units if not unit.startswith(UNNAMED)]
+            notes.append(f"{said}: none is held out as unseen; {NAME_IT}")
         if len(units) < MIN_UNITS:
             notes.append(
                 f"no {kind} is held out: the store has {len(units)} of them ({', '.join(units) or 'none named'}), "
@@ -118,7 +110,8 @@ def choose_held_out(trajectories: pa.Table, options: SplitOptions) -> tuple[dict
     return held, notes
 
 
-def _recorded_units(trajectories: pa.Table, kind: str) -> list[str]:
+def recorded_units(trajectories: pa.Table, kind: str) -> list[str]:
+    """Names of the sensors or indenters of recorded trajectories; of all, where none was recorded."""
     columns = zip(trajectories[kind].to_pylist(), trajectories["parent"].to_pylist(), strict=True)
     pairs = [(name, parent) for name, parent in columns if name]
     return sorted({name for name, parent in pairs if not parent} or {name for name, _ in pairs})

@@ -158,6 +158,7 @@ def audit_tables(
     drawn_without = split.document.get("flagged", ())
     found += leaks.unlike_drawn(trajectories, split.table, partition, split.options, split.held_out, drawn_without)
     found += leaks.held_out_elsewhere(trajectories, part, split.held_out)
+    found += leaks.sensors_without_serial(trajectories)
     found += leaks.parted_families(trajectories, part)
     found += leaks.parted_touches(trajectories, part)
     found += moment_leaks.parted_moments(trajectories, part)

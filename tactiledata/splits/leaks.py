@@ -10,9 +10,10 @@ import pyarrow.compute as pc
 from numpy.typing import NDArray
 
 from tactiledata.contract.records import Finding
-from tactiledata.splits.assign import Held, assign
+from tactiledata.splits.assign import Held, assign, recorded_units
 from tactiledata.splits.groups import UNIT_KINDS, family_roots, overlapping_touches, shared_place_of
 from tactiledata.splits.options import PARTITIONS, SplitOptions
+from tactiledata.splits.twins import NAME_IT, UNNAMED, unnamed_sensors
 
 SHOWN = 3
 """Cases that a finding's message names before it says how many more there are."""
@@ -181,6 +182,24 @@ def held_out_elsewhere(trajectories: pa.Table, part: NDArray[np.int64], held_out
         )
         found += leak(f"held-out-{kind}-seen", f"a held-out {kind} is not unseen", cases, len(rows))
     return found
+
+
+def sensors_without_serial(trajectories: pa.Table) -> list[Finding]:
+    """Return a warning where sensors have no serial, as long as there is another that each could be.
+
+    Parameters
+    ----------
+    trajectories : pa.Table
+        ``TRAJECTORY_SCHEMA``.
+    """
+    sensors = recorded_units(trajectories, "sensor")
+    said = unnamed_sensors(sensors)
+    if not said or len(sensors) == 1:
+        return []
+    message = f"{said}: whether one camera is in several parts, or seen although held out, cannot be told; {NAME_IT}"
+    return [
+        Finding("sensor-without-serial", "warning", message, count=sum(name.startswith(UNNAMED) for name in sensors))
+    ]
 
 
 def unlike_drawn(

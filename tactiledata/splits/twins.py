@@ -2,15 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
+
+from tactiledata.contract.wording import agreeing, counted, listed
 
 ABSOLUTE_NS = 10**18
 """9 September 2001. Earlier times are counted from the start of a recording or of a machine: they tell no moment."""
 UNNAMED = "unknown-"
 """How the made-up names of sensors begin that their recording does not name."""
+
+NAME_IT = "name the serial in a description or a mapping, and ingest again"
+"""What to do about a sensor without a serial."""
+MOST_UNNAMED = 3
+"""Sensors without a serial that a sentence lists."""
+
+
+def unnamed_sensors(sensors: Iterable[str]) -> str:
+    """Say which of the sensors have no serial, and that they may be one camera; empty where all have one.
+
+    Parameters
+    ----------
+    sensors : iterable of str
+        Names of sensors in a store, each once.
+    """
+    unnamed = [name for name in sensors if name.startswith(UNNAMED)]
+    if not unnamed:
+        return ""
+    fewer = agreeing(len(unnamed), "be one of the other cameras", "be fewer cameras than that")
+    return f"{counted(len(unnamed), 'sensor')} without a serial ({listed(unnamed, MOST_UNNAMED)}) may {fewer}"
 
 
 def tells_a_moment(start: NDArray[np.int64], sensor_is_named: NDArray[np.bool_]) -> NDArray[np.bool_]:

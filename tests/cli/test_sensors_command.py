@@ -63,3 +63,11 @@ def test_swapped_channels_are_refused_unless_unchecked(folder, capsys):
     assert "red and blue of bgr.png are swapped" in err
     assert "D9" not in Store.open("ds.zarr").sensors()
     assert run_command(capsys, "sensors", "add", "D9", "--background", "bgr.png", "--unchecked")[0] == 0
+
+
+def test_info_names_sensors_without_a_recording(folder, capsys):
+    """A sensor that was added by hand is said to hold nothing; a store of recorded ones says nothing of the kind."""
+    assert "without a trajectory" not in run_command(capsys, "info", "ds.zarr")[1]
+    assert run_command(capsys, "sensors", "add", "D30001", "--background", "a.png")[0] == 0
+    out = run_command(capsys, "info", "ds.zarr")[1]
+    assert "without a trajectory or an image, so that no split holds it: D30001" in out

@@ -1,5 +1,7 @@
 """What cannot be replayed has a named reason, and all the rest goes on."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import trimesh
@@ -9,11 +11,12 @@ from copied_trees import copy_tree
 
 from tactiledata.gel.contact.history import FrameStatus
 from tactiledata.ingest.pipeline import ingest
-from tactiledata.replay.attach import replay
+from tactiledata.replay.attach import replay as attach
 from tactiledata.replay.geometry import gel_geometry
 from tactiledata.replay.plan import plan_replay
 from tactiledata.replay.poses import gel_from_indenter
 from tactiledata.replay.status import STATUSES, ReplayStatus
+from tactiledata.replay.untouched import UntouchedTouch, untouched_lines
 from tactiledata.store.check.check import check
 from tactiledata.store.read.reader import Store
 from tactiledata.transforms import Transform, matrix_poses
@@ -78,7 +81,7 @@ def ball_status(log, **changes):
     """Statuses of the frames of the ball and of the cross, and the report."""
     place = log.parent / "ds.zarr"
     ingest([log], place)
-    report = replay(place, options(**changes))
+    report = attach(place, options(**changes))
     store = Store.open(place)
     assert [one for one in check(place, images=False) if one.severity == "damage"] == []
     found = {}
@@ -113,6 +116,41 @@ def test_a_spoilt_description_has_its_reason(what, log):
         assert any(words in line for line in report.lines())
     else:
         assert not report.refused
+
+
+@pytest.mark.parametrize(
+    ("metres", "cause"), [(-2e-3, "a transform (robot.tcp_from_gel"), (-1.0, "a length in millimetres")]
+)
+def test_a_pressed_trajectory_that_does_not_touch_is_told(metres, cause, log):
+    """The largest measured force, the distance, the likely cause and the next step stand in the report."""
+    document = yaml.safe_load((log / "log.yaml").read_text())
+    deeper(document, metres)
+    (log / "log.yaml").write_text(yaml.safe_dump(document))
+    _, report = ball_status(log)
+    store = Store.open(log.parent / "ds.zarr")
+    (told,) = report.untouched
+    force = store.frames(["contact_force"])["contact_force"].to_numpy()
+    touch = next(touch for touch in plan_replay(store, coarse_pad).touches if touch.indenter == "ball4")
+    assert told.largest_force == pytest.approx(np.nanmax(force[slice(*touch.frames)]))
+    assert told.largest_force > 1
+    assert told.height == pytest.approx(-metres, abs=1.2e-3 - 0.01 * metres)
+    text = "\n".join(report.lines())
+    assert f"up to {told.largest_force:.1f} N at frame {told.frame}" in text
+    assert f"probably wrong: {cause}" in text
+    assert f"--trajectory {touch.name} --frame {told.frame}" in text
+    assert report.document()["untouched"][0]["name"] == touch.name
+
+
+def test_a_touch_that_is_nearly_reached_points_to_a_calibration():
+    """Some tenths of a millimetre above the gel are an error of place; without such trajectories nothing is said."""
+    near = UntouchedTouch("0" * 16, "press", 1.5, 4, 3e-4, 2e-3)
+    lines = untouched_lines([near], "ds.zarr")
+    assert "does not touch the gel" in lines[0]
+    assert "`tactiledata calibrate`" in lines[1]
+    assert "0.30 mm above the top of the gel and 2.0 mm from its axis" in lines[0]
+    assert "0.30 mm below" in untouched_lines([replace(near, height=-3e-4)], "ds.zarr")[0]
+    assert untouched_lines([near] * 4, "ds.zarr")[0].endswith("; …)")
+    assert untouched_lines([], "ds.zarr") == []
 
 
 MESHES = {

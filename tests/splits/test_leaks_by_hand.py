@@ -3,18 +3,21 @@
 import numpy as np
 import pyarrow as pa
 import pytest
-from split_cases import frames, trajectories
+from split_cases import MemoryStore, frames, trajectories
 
 from tactiledata.splits.assign import assign
+from tactiledata.splits.audit import audit
 from tactiledata.splits.leaks import (
     identical_payloads,
     leak,
     parted_frames,
     parted_touches,
     partition_codes,
+    sensors_without_serial,
     shared_uids,
     unlike_drawn,
 )
+from tactiledata.splits.make import make_split
 from tactiledata.splits.options import PARTITIONS, SplitOptions
 from tactiledata.splits.twins import tells_a_moment
 
@@ -176,3 +179,24 @@ def test_nine_september_2001_divides_clocks():
     start = np.array([10**18 - 1, 10**18, 10**18 + 1, 10**18], np.int64)
     named = np.array([True, True, True, False])
     assert tells_a_moment(start, named).tolist() == [False, True, True, False]
+
+
+def test_sensors_without_a_serial_are_told():
+    """An audit says that nameless sensors may be one camera; a lone sensor and named ones leave nothing to be said."""
+    nameless = [{"sensor": f"unknown-{k:08x}"} for k in range(4)]
+    (found,) = sensors_without_serial(trajectories(nameless))
+    assert (found.code, found.severity, found.count) == ("sensor-without-serial", "warning", 4)
+    assert found.message.startswith("4 sensors without a serial (unknown-00000000, unknown-00000001, ")
+    (one,) = sensors_without_serial(trajectories([nameless[0], {"sensor": "A"}]))
+    assert one.message.startswith("1 sensor without a serial (unknown-00000000) may be one of the other cameras")
+    assert sensors_without_serial(trajectories(nameless[:1] * 3)) == []
+    assert sensors_without_serial(trajectories([{"sensor": "A"}, {"sensor": "B"}])) == []
+
+
+def test_an_audit_asks_for_serials(tmp_path):
+    """The audit of a drawn split holds the warning about nameless sensors, and calls it no leak."""
+    store = MemoryStore(tmp_path, trajectories([{"sensor": f"unknown-{k % 3:08x}"} for k in range(30)]))
+    make_split(store)
+    report = audit(store, images=False)
+    assert "sensor-without-serial" in {finding.code for finding in report.findings}
+    assert not report.leaks

@@ -167,6 +167,22 @@ def test_merge_carries_sensors_added_by_hand(tmp_path: Path) -> None:
     assert check(tmp_path / "ab") == []
 
 
+@pytest.mark.slow
+def test_merge_leaves_sensors_of_recordings_that_stay_out(tmp_path: Path) -> None:
+    """A recording that two stores hold under different serials is kept once, and so is its sensor."""
+    from tactiledata.contract.take import Reference
+    from tactiledata.store.change.keep_sensors import BY_HAND, keep_sensors
+
+    first, other = made(tmp_path / "a", [1]), made(tmp_path / "b", [1], sensors={"D7": {"model": "digit"}})
+    assert "D7" in Store.open(other).sensors()
+    merge([first, other], tmp_path / "ab")
+    assert sorted(Store.open(tmp_path / "ab").sensors()) == sorted(Store.open(first).sensors())
+    picture = np.full((4, 5, 3), 7, np.uint8)
+    keep_sensors(other, {"D8": {"model": "digit"}}, {"D8": Reference(picture, f"{BY_HAND}bg.png", "CC0", "digit")})
+    merge([first, other], tmp_path / "abc")
+    assert sorted(Store.open(tmp_path / "abc").sensors()) == sorted({*Store.open(first).sensors(), "D8"})
+
+
 def taken_by(folder: Path, settings: str) -> Path:
     """A store with one recording that was ingested with these options."""
     from dataclasses import replace

@@ -13,6 +13,7 @@ from tactiledata.diagnose.naming.joint_fit import JointFit, joint_fit
 from tactiledata.diagnose.naming.metric import RandomEffects
 from tactiledata.diagnose.naming.own_error_sizes import own_size_penalty, with_estimated_own_sizes
 from tactiledata.diagnose.naming.parameters import JointModel
+from tactiledata.diagnose.residuals.scaled_matrix import scaled_matrix
 from tactiledata.diagnose.touches.simulation_errors import FAMILIES
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
 
@@ -170,6 +171,9 @@ def _size_cost(whitened: WhitenedTouches, fit: JointFit) -> Callable[[Array], tu
     about = RandomEffects(fit.own, fit.shared[:, :, :0], fit.precision[:0], fit.starts)
     gram = about.products(fit.shared, fit.shared)
     toward = about.products(fit.shared, fit.residual_at_centre[:, :, None])[:, 0]
+    # what rounding alone leaves on the diagonal is no influence: the prior stands alone there
+    is_felt = scaled_matrix(gram).has_information
+    gram, toward = np.where(np.outer(is_felt, is_felt), gram, 0.0), np.where(is_felt, toward, 0.0)
     # a number with neither influence nor prior (the time constant of an absent effect) is no evidence on the sizes
     is_known = (np.diag(gram) > INFLUENCE * np.diag(gram).max()) | (fit.precision > 0)
     gram, toward, known_precision = gram[np.ix_(is_known, is_known)], toward[is_known], fit.precision[is_known]
@@ -178,7 +182,8 @@ def _size_cost(whitened: WhitenedTouches, fit: JointFit) -> Callable[[Array], tu
     def cost(logarithms: Array) -> tuple[float, Array]:
         precision = known_precision.copy()
         precision[first:] = np.exp(-2.0 * (logarithms - now))[of_error]
-        covariance, determinant = _inverse(gram + np.diag(precision))
+        scaled = scaled_matrix(gram + np.diag(precision))
+        covariance, determinant = scaled.pseudo_inverse(1e-12), scaled.log_determinant
         mean = covariance @ toward
         determinant -= np.log(precision[first:]).sum()
         # d/dp of ln det(G + P) - ln p - gᵀ (G + P)⁻¹ g is C_ii - 1 / p + m_i², and dp/dl is -2 p
@@ -187,14 +192,6 @@ def _size_cost(whitened: WhitenedTouches, fit: JointFit) -> Callable[[Array], tu
         return float(determinant - toward @ mean + prior), np.bincount(of_error, slopes, len(groups)) + of_prior
 
     return cost
-
-
-def _inverse(matrix: Array) -> tuple[Array, float]:
-    """Inverse (q, q) of a symmetric positive matrix, and the logarithm of its determinant; its diagonal scaled to 1."""
-    scale = np.sqrt(np.maximum(np.diag(matrix), 1e-300))
-    scaled = matrix / np.outer(scale, scale)
-    inverse = np.linalg.pinv(scaled, rcond=1e-12, hermitian=True) / np.outer(scale, scale)
-    return inverse, float(np.linalg.slogdet(scaled)[1] + 2.0 * np.log(scale).sum())
 
 
 def _size_prior(logarithms: Array, of_family: Indices) -> tuple[float, Array]:

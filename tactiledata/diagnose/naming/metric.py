@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from tactiledata.arrays import Array, Indices
+from tactiledata.diagnose.residuals.scaled_matrix import scaled_matrix
 from tactiledata.diagnose.residuals.scores import cosines_of
 
 
@@ -68,9 +69,7 @@ class RandomEffects:
         """Posterior covariance (m, m) of the shared parameters; directions without information and prior are 0."""
         gram = np.tensordot(self.shared, self._shared_without_own, axes=([0, 1], [0, 1])) + np.diag(self.precision)
         # with the diagonal scaled to 1, the cut-off of the pseudo-inverse does not depend on the parameters' units
-        scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
-        inverse: Array = np.linalg.pinv(gram / np.outer(scale, scale), rcond=1e-10, hermitian=True)
-        return inverse / np.outer(scale, scale)
+        return scaled_matrix(gram).pseudo_inverse(1e-10)
 
     def weigh(self, field: Array) -> Array:
         """Return fields (N, 6, c) times the inverse of the whole covariance (Woodbury's identity)."""
@@ -124,6 +123,6 @@ def best_imitation(metric: RandomEffects, field: Array, others: Array) -> float:
     size = float(metric.products(field[:, :, None], field[:, :, None])[0, 0])
     if not size > 0:
         return 0.0
-    scale = np.sqrt(np.maximum(np.diag(inner), 1e-300))
-    strengths = np.linalg.pinv(inner / np.outer(scale, scale), rcond=1e-8, hermitian=True) @ (toward / scale)
-    return float(np.sqrt(np.clip(strengths @ (toward / scale) / size, 0.0, 1.0)))
+    scaled = scaled_matrix(inner)
+    strengths = np.linalg.pinv(scaled.values, rcond=1e-8, hermitian=True) @ (toward / scaled.scale)
+    return float(np.sqrt(np.clip(strengths @ (toward / scaled.scale) / size, 0.0, 1.0)))

@@ -16,5 +16,6 @@ Read the modules in this order:
 8. ``ceiling``: how much boosted trees predict: the most that any formula of the covariates could explain.
 
 Helpers: ``learners`` (scikit-learn and folds), ``history`` (running maximum, fading memory), ``dimensions`` (units),
-``wording`` (numbers as text). The room imports no other room of ``diagnose``.
+``wording`` (numbers as text), ``scaled_matrix`` (a cut-off without units). The room imports no other room of
+``diagnose``.
 """

@@ -9,6 +9,7 @@ import numpy as np
 
 from tactiledata.arrays import Array
 from tactiledata.diagnose.residuals.residuals import Residuals
+from tactiledata.diagnose.residuals.scaled_matrix import scaled_matrix
 
 ANY = 1e6
 """Prior standard deviation of a parameter without prior, in noise standard deviations of a typical frame."""
@@ -120,9 +121,7 @@ def _pseudo_inverse(gram: Array) -> Array:
     """Return the pseudo-inverse (p, p) of an information matrix, its rows scaled as parameters differ in unit."""
     if not gram.size:
         return gram
-    scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
-    inverse: Array = np.linalg.pinv(gram / np.outer(scale, scale), rcond=SINGULAR, hermitian=True)
-    return inverse / np.outer(scale, scale)
+    return scaled_matrix(gram).pseudo_inverse(SINGULAR)
 
 
 def _own_basis(residuals: Residuals, own: list[int]) -> Array:

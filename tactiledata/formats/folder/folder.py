@@ -125,7 +125,7 @@ class FolderFormat(CorpusFormat):
         tables = frames.push(intake)
         return Recording(
             source,
-            description,
+            description.without_units(),
             streams.signals,
             touches.trajectories,
             (*touches.findings, *streams.findings, *backgrounds.findings, *tables, *intake.findings),

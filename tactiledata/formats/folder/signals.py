@@ -12,7 +12,7 @@ from tactiledata.errors import BrokenLog
 from tactiledata.formats.folder.files import LogFolder
 from tactiledata.formats.reading.csv_cells import CsvTable, Mask, listed
 from tactiledata.formats.reading.csv_tables import read_csv_table
-from tactiledata.units import SIGNAL_COLUMNS
+from tactiledata.units import SIGNAL_COLUMNS, signal_units, unit_factor
 
 TIME = "t_ns"
 
@@ -34,12 +34,14 @@ class ReadSignals:
 
 
 def read_signals(folder: LogFolder, description: LogDescription) -> ReadSignals:
-    """All signals of a folder log, in the frames that its description names.
+    """All signals of a folder log in SI units, in the frames that its description names.
 
     Raises
     ------
     BrokenLog
         A table lacks a column or is no table of ours.
+    SchemaError
+        A stated unit cannot become that of its column.
     """
     signals: dict[str, Signal] = {}
     findings: list[Finding] = []
@@ -49,7 +51,7 @@ def read_signals(folder: LogFolder, description: LogDescription) -> ReadSignals:
         if table is None:
             findings.extend(_absence(name, description) if not said else ())
             continue
-        signal, faults = _signal(name, table, _frame(name, description))
+        signal, faults = _signal(name, table, _frame(name, description), _factors(name, description))
         findings.extend(faults)
         if signal is not None:
             signals[name] = signal
@@ -120,12 +122,28 @@ def _absence(name: str, description: LogDescription) -> list[Finding]:
     return [Finding("stream-absent", "info", f"there is no {name}.csv", name)]
 
 
-def _signal(name: str, table: CsvTable, frame: str) -> tuple[Signal | None, list[Finding]]:
+def _factors(name: str, description: LogDescription) -> Values | None:
+    """Factors (k,) from the units that a description states for a table to SI; ``None`` where it states none."""
+    columns = SIGNAL_COLUMNS[name]
+    if name not in description.units:
+        return None
+    stated = [str(unit) for unit in description.units[name]]  # YAML reads a bare 1 as a number
+    place, path = f"{description.where}: units.{name}", f"$.units.{name}"
+    return np.array(
+        [unit_factor(*each, place, path) for each in zip(stated, signal_units(columns), columns, strict=True)]
+    )
+
+
+def _signal(name: str, table: CsvTable, frame: str, factors: Values | None) -> tuple[Signal | None, list[Finding]]:
     columns = SIGNAL_COLUMNS[name]
     table.require((TIME, *columns))
     findings = ignored_columns(table, (TIME, *columns), name)
     t_ns, has_time = table.nanoseconds(TIME)
     values, is_finite = table.numbers(columns)
+    if factors is not None:
+        with np.errstate(over="ignore"):
+            values = values * factors
+        is_finite &= np.isfinite(values).all(axis=1)
     findings += table.row_finding(
         "csv-time", ~has_time, f"have no {TIME} that is a whole number below 2^63; left out", name
     )
@@ -136,6 +154,9 @@ def _signal(name: str, table: CsvTable, frame: str) -> tuple[Signal | None, list
         values, is_unit, said = _unit_quaternions(table, values, is_good)
         is_good &= is_unit
         findings += said
+    if factors is not None and (factors != 1.0).any():
+        message = f"{table.name}: its columns were brought to SI units, as the description states theirs"
+        findings.append(Finding("units-stated", "info", message, name))
     if not is_good.any():
         return None, findings
     return Signal(name, Stamps(t_ns[is_good]), values[is_good], columns, frame), findings

@@ -9,5 +9,6 @@
   could not be decoded, in words.
 - ``collect``, ``images``, ``transform_tree``, ``describe``: signals, pictures, poses and the description.
 - ``tally``, ``contents``, ``likely_fields``, ``unread_topics``, ``mapping_draft``: ``inspect``, and a mapping to
-  start from. ``passed_over``: topics that could be a stream that is lacking, and are not read.
+  start from; ``joint_draft``: one for several recordings. ``passed_over``: topics that could be a stream that is
+  lacking, and are not read.
 """

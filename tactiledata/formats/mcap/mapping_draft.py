@@ -66,7 +66,7 @@ def draft_mapping(
     topics: Iterable[Topic],
     roles: Roles,
     glimpses: Mapping[str, Glimpse],
-    serials: Mapping[str, str],
+    serials: Mapping[str, Sequence[str]],
     description: LogDescription,
 ) -> Draft:
     """A mapping that reads what is read now, and lists every other topic with what it holds and how to read it.
@@ -77,10 +77,10 @@ def draft_mapping(
     roles : Roles
         What is read now.
     glimpses : dict, topic -> Glimpse
-    serials : dict, topic -> serial
-        Of image topics whose sensor the recording names.
+    serials : dict, topic -> serials
+        Of image topics whose sensor the recordings name; several where they name different ones.
     description : LogDescription
-        What the recording says of itself.
+        What the recordings say of themselves.
     """
     ordered = sorted(topics, key=lambda topic: natural_key(topic.name))
     known = [topic for topic in ordered if topic.is_readable]
@@ -198,7 +198,7 @@ def _likely_frames(parents: Mapping[str, str]) -> tuple[str, str] | None:
 def _images(
     known: Sequence[Topic],
     roles: Roles,
-    serials: Mapping[str, str],
+    serials: Mapping[str, Sequence[str]],
     description: LogDescription,
     glimpses: Mapping[str, Glimpse],
 ) -> tuple[dict[str, _Entry], dict[str, Any]]:
@@ -213,7 +213,14 @@ def _images(
     entries: dict[str, _Entry] = {}
     sensors: dict[str, Any] = {}
     for camera, source, remark in cameras:
-        serial = serials.get(source["topic"], "")
+        model = "gelsight_r15" if camera.startswith("gelsight") else "digit"
+        named = serials.get(source["topic"], ())
+        if len(named) > 1:
+            own = f"its sensor is left open, as each recording names its own: {', '.join(named)}"
+            entries[camera] = _Entry(source, " ".join(filter(None, (remark, own))))
+            sensors |= {serial: {"model": model} for serial in named if serial not in description.sensors}
+            continue
+        serial = "".join(named)
         if not serial and description.sensors:
             remark = " ".join(filter(None, (remark, f"which sensor is it? sensor: {' or '.join(description.sensors)}")))
             entries[camera] = _Entry(source, remark)
@@ -222,7 +229,7 @@ def _images(
             serial = f"{PLACEHOLDER}-with-serial-of-{camera}"
         entries[camera] = _Entry({**source, "sensor": serial}, remark)
         if serial not in description.sensors:
-            sensors[serial] = {"model": "gelsight_r15" if camera.startswith("gelsight") else "digit"}
+            sensors[serial] = {"model": model}
     return entries, sensors
 
 

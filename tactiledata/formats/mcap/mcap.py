@@ -17,15 +17,13 @@ from tactiledata.formats.base import Format, Inspection, NoSink
 from tactiledata.formats.mcap.bags import bag_sources, files_of, is_bag_file, is_bag_folder
 from tactiledata.formats.mcap.decode import kind_of
 from tactiledata.formats.mcap.describe import backgrounds_of, description_of
-from tactiledata.formats.mcap.images import stated_serials
-from tactiledata.formats.mcap.mapping_draft import Draft, draft_mapping
+from tactiledata.formats.mcap.joint_draft import DraftGrounds, joint_draft
 from tactiledata.formats.mcap.passed_over import passed_over
 from tactiledata.formats.mcap.playback import Handler, HandlerFor, Playback
 from tactiledata.formats.mcap.reading import Decoders, Reading, spread
-from tactiledata.formats.mcap.roles import IMAGE_KINDS, ImageRole, Roles, Topic, roles_of
+from tactiledata.formats.mcap.roles import Roles, Topic, roles_of
 from tactiledata.formats.mcap.survey import Survey, survey
 from tactiledata.formats.mcap.tally import Tally
-from tactiledata.formats.mcap.unread_topics import Glimpse
 from tactiledata.formats.reading.backgrounds import Backgrounds
 from tactiledata.formats.reading.described import described_trajectories
 
@@ -119,7 +117,8 @@ bag/bag_0.mcap, bag_1.mcap …"""
         for inventory in inventories:
             findings += Playback(inventory, _both(tally.handler_for(inventory, decoders.get), reading)).run()
         reading.check_fields()
-        draft = _draft(topics, roles, tally.glimpses(), description)
+        grounds = DraftGrounds(source.key, topics, roles, tally.glimpses(), description)
+        draft = joint_draft([grounds])
         left = passed_over(topics, roles, _counts(inventories), _stated(mapping))
         findings += [*said, *roles.findings, *left, *reading.findings()]
         backgrounds = backgrounds_of(path, inventories, description)
@@ -136,7 +135,25 @@ bag/bag_0.mcap, bag_1.mcap …"""
         said_of_all = (*findings, *backgrounds.findings)
         facts = _facts(inventories, tally, description)
         streams = tally.topics(roles, reading.counts())
-        return Inspection(source, streams, said_of_all, facts, draft.document, draft.text, recording=recording)
+        return Inspection(source, streams, said_of_all, facts, draft.document, draft.text, recording, grounds)
+
+    def draft(
+        self, inspections: Sequence[Inspection], mapping: Mapping[str, Any] | None = None
+    ) -> tuple[Mapping[str, Any] | None, str]:
+        """One mapping for several recordings, as a document and as text; the text says which topics only some have.
+
+        Parameters
+        ----------
+        inspections : sequence of Inspection
+            Made by `inspect`.
+        mapping : dict, optional
+            The mapping by which they were made.
+        """
+        grounds = [item.grounds for item in inspections if isinstance(item.grounds, DraftGrounds)]
+        if not grounds:
+            return None, ""
+        draft = joint_draft(grounds, mapping)
+        return draft.document, draft.text
 
 
 def _recording(
@@ -223,17 +240,6 @@ def _counts(inventories: Sequence[Survey]) -> dict[str, int]:
         for number, channel in inventory.channels.items():
             counts[channel.topic] += stated.get(number, 0)
     return dict(counts)
-
-
-def _draft(topics: list[Topic], roles: Roles, glimpses: Mapping[str, Glimpse], description: LogDescription) -> Draft:
-    """A mapping to start from, with the serials that image topics say."""
-    cameras = roles.images or tuple(ImageRole("", topic.name) for topic in topics if topic.kind in IMAGE_KINDS)
-    serials = {}
-    for role in cameras:
-        frame = glimpses[role.topic].frame if role.topic in glimpses else ""
-        stated = stated_serials(role, tuple(description.sensors), len(cameras) == 1, frame)
-        serials[role.topic] = next(iter(stated.values()), "")
-    return draft_mapping(topics, roles, glimpses, serials, description)
 
 
 def _nothing_to_read(source: Source, inventories: Sequence[Survey], decoders: Decoders, roles: Roles) -> BrokenLog:

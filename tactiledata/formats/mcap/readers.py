@@ -6,7 +6,6 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from tactiledata.errors import SchemaError
 from tactiledata.formats.mcap.cdr import JOINT_LAYOUT, VECTOR_LAYOUTS, Take, joint_taker, vector_taker
 from tactiledata.formats.mcap.collect import SignalBuffer
 from tactiledata.formats.mcap.decode import FAULTS, Decoder
@@ -21,7 +20,7 @@ from tactiledata.formats.mcap.message_fields import (
 )
 from tactiledata.formats.mcap.roles import FIELDS_OF, SignalRole
 from tactiledata.formats.mcap.undecoded import reason_of
-from tactiledata.units import TO_METRES
+from tactiledata.units import unit_factor
 
 UR_JOINTS = (
     "shoulder_pan_joint",
@@ -31,19 +30,6 @@ UR_JOINTS = (
     "wrist_2_joint",
     "wrist_3_joint",
 )
-TO_SI = {
-    **{(name, "m"): factor for name, factor in TO_METRES.items()},
-    ("deg", "rad"): 0.017453292519943295,
-    ("mN", "N"): 1e-3,
-    ("kN", "N"): 1e3,
-    ("gf", "N"): 9.80665e-3,
-    ("kgf", "N"): 9.80665,
-    ("lbf", "N"): 4.4482216152605,
-    ("N mm", "N m"): 1e-3,
-    ("Nmm", "N m"): 1e-3,
-    ("Nm", "N m"): 1.0,
-}
-"""Factors from a unit that a mapping states to the unit of the column."""
 
 
 def signal_taker(role: SignalRole, decoder: Decoder, sink: SignalBuffer) -> Take:
@@ -158,17 +144,11 @@ def unit_factors(role: SignalRole) -> list[float]:
     """
     factors = []
     for field, wanted, unit in zip(role.fields, role.field_units, role.units or ("",) * len(role.fields), strict=True):
-        if unit in ("", "?", wanted):
+        if unit in ("", "?"):
             factors.append(1.0)
-        elif (unit, wanted) in TO_SI:
-            factors.append(TO_SI[(unit, wanted)])
         else:
-            others = [known for known, of_column in TO_SI if of_column == wanted]
-            raise SchemaError(
-                f"the mapping's signals.{role.name} states {unit!r} for {field}",
-                f"{wanted!r}" + (f", or one of {', '.join(others)}, which is brought to it" if others else ""),
-                path=f"$.signals.{role.name}.units",
-            )
+            place = f"the mapping's signals.{role.name}"
+            factors.append(unit_factor(unit, wanted, field, place, f"$.signals.{role.name}.units"))
     return factors
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from tactiledata.contract.description import PLACEHOLDER, LogDescription
 from tactiledata.contract.paths import path_inside
-from tactiledata.contract.records import Finding
+from tactiledata.contract.records import Finding, Recording
 from tactiledata.errors import TactileDataError, UnsafeContent
 from tactiledata.indenters import INDENTERS, make_indenter
 from tactiledata.sensors import SENSORS
@@ -65,6 +65,24 @@ def description_findings(description: LogDescription) -> list[Finding]:
         text = f"{', '.join(left)}: a placeholder of a draft was not replaced by the real name"
         found.append(Finding("placeholder-left", "warning", text, count=len(left)))
     return found
+
+
+def unused_units(recording: Recording) -> list[Finding]:
+    """Return a finding on units that a description states for tables of a folder log, where the recording is none.
+
+    Parameters
+    ----------
+    recording : Recording
+        As a format read it; a folder log's description states no units any more.
+    """
+    stated = recording.description.units
+    if not stated:
+        return []
+    text = (
+        f"units are stated of {', '.join(stated)}, for the tables of a folder log; of this {recording.source.format} "
+        "recording they were used for nothing. A mapping states units beside fields: signals: … units"
+    )
+    return [Finding("units-not-used", "warning", text)]
 
 
 def clock_findings(description: LogDescription, streams: Collection[str]) -> list[Finding]:

@@ -21,6 +21,15 @@ from tactiledata.ingest.clocks.witnesses import IMAGES, SIGNAL, STAMPS, TRAJECTO
 LATEST = 2.0**62
 """ns since the epoch, in either direction: the year 2116. Differences of times before it still fit an int64."""
 
+LARGEST = 1e8
+"""Largest reading that is kept of forces (N), torques (N m), lengths (m), angles (rad) and temperatures (K).
+
+No sensor measures so much. Forces up to 100 N that are written in micronewtons stay: a wrong unit is said of them, and
+nothing is lost."""
+
+MEASURED_UNITS = frozenset({"N", "N m", "m", "rad", "K"})
+"""Units whose numbers are held against ``LARGEST``."""
+
 LEAST_JITTER = 1_000
 """ns. Transport takes a time that varies by more; below it, two stamps are of one clock."""
 
@@ -34,7 +43,9 @@ class Timed:
 
 
 def put_on_host_clock(recording: Recording, cameras: Mapping[str, Times] = MappingProxyType({})) -> Timed:
-    """All signals of a recording, sorted by host time; values unchanged, samples whose clock had jumped left out.
+    """All signals of a recording, sorted by host time and unchanged, without samples that cannot be.
+
+    Left out are those whose clock had jumped, and those with a time or a number that cannot be.
 
     Parameters
     ----------
@@ -46,7 +57,9 @@ def put_on_host_clock(recording: Recording, cameras: Mapping[str, Times] = Mappi
     signals: dict[str, Signal] = {}
     choices: dict[str, ClockChoice] = {}
     for name, signal in recording.signals.items():
-        signals[name], findings[name] = _possible(signal)
+        placed, findings[name] = _possible(signal)
+        signals[name], said = _measured(placed)
+        findings[name].extend(said)
         offset = recording.description.stated_clock_offset(name)
         choices[name] = choose_clock(name, signals[name].stamps, recording.host_clock, offset)
         findings[name].extend(choices[name].findings)
@@ -124,6 +137,24 @@ def _possible(signal: Signal) -> tuple[Signal, list[Finding]]:
     text = f"{signal.name}: {int(beyond.sum())} of {len(beyond)} samples have a time beyond the year 2116; left out"
     kept = replace(signal, stamps=signal.stamps.take(~beyond), values=signal.values[~beyond])
     return kept, [Finding("time-impossible", "damage", text, signal.name, count=int(beyond.sum()))]
+
+
+def _measured(signal: Signal) -> tuple[Signal, list[Finding]]:
+    """The samples that a sensor may have given; one with a number beyond ``LARGEST`` is damaged as a whole."""
+    columns = [column for column, unit in enumerate(signal.units) if unit in MEASURED_UNITS]
+    size = np.abs(signal.values[:, columns])
+    is_beyond: NDArray[np.bool_] = np.isfinite(size) & (size > LARGEST)
+    beyond: NDArray[np.bool_] = np.asarray(is_beyond.any(axis=1))
+    if not beyond.any():
+        return signal, []
+    row, column = np.argwhere(is_beyond)[0]
+    text = (
+        f"{signal.name}: {int(beyond.sum())} of {len(beyond)} samples hold a number that no sensor gives (beyond "
+        f"{LARGEST:g}; the first is {signal.columns[columns[column]]} = {signal.values[row, columns[column]]:.3g} "
+        f"{signal.units[columns[column]]}); left out"
+    )
+    kept = replace(signal, stamps=signal.stamps.take(~beyond), values=signal.values[~beyond])
+    return kept, [Finding("value-impossible", "damage", text, signal.name, count=int(beyond.sum()))]
 
 
 def _rotation_findings(signal: Signal, values: Values) -> list[Finding]:

@@ -15,6 +15,7 @@ from tactiledata.contract.provenance import provenance
 from tactiledata.contract.records import Finding, FrameValues, Recording, Trajectory
 from tactiledata.contract.take import UNUSABLE, StoredSignal, Take, findings_table
 from tactiledata.ingest.checks.image_sizes import mark_strays
+from tactiledata.ingest.checks.plausible import unused_units
 from tactiledata.ingest.clocks.align import align
 from tactiledata.ingest.clocks.clock_shifts import judge_frames, named_elsewhere
 from tactiledata.ingest.clocks.rates import gap_findings
@@ -94,7 +95,7 @@ def assemble(recording: Recording, images: pa.Table, decode: Decode, sha256: str
         Digest of the source's files.
     options : IngestOptions
     """
-    said = _Findings(list(recording.findings))
+    said = _Findings([*recording.findings, *unused_units(recording)])
     captured = frame_tables.capture_times(recording, images)
     timed = put_on_host_clock(recording, frame_tables.times_by_camera(captured))
     said.add(*timed.findings, *captured.findings)
@@ -134,7 +135,7 @@ def assemble(recording: Recording, images: pa.Table, decode: Decode, sha256: str
         source=recording.source,
         sha256=sha256,
         status=_status(said.items),
-        description=dict(recording.description.document),
+        description=dict(recording.description.without_units().document),
         provenance=provenance("ingest", {recording.source.key: sha256}, options.document()),
         frames=frames,
         trajectories=trajectory_table(trajectories, sha256, segmented, owner[order], force, signals),

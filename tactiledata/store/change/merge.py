@@ -16,7 +16,7 @@ from tactiledata.contract.take import FRAME_SCHEMA, FrameFlag, Take
 from tactiledata.contract.wording import agreeing, counted, listed
 from tactiledata.errors import StoreError, UsageError
 from tactiledata.store.change.flag import carry_flags
-from tactiledata.store.change.keep_sensors import keep_sensors
+from tactiledata.store.change.keep_sensors import BY_HAND, keep_sensors
 from tactiledata.store.change.pieces import Origin, Piece, parents, pieces_of, rows_of, take_of
 from tactiledata.store.layout.lock import writing_lock
 from tactiledata.store.layout.manifest import settings_of
@@ -103,14 +103,21 @@ def _merge(
 
 
 def _carry_sensors(origins: Sequence[Origin], target: Path) -> None:
-    """Sensors that were added by hand, which no recording carries."""
+    """Keep sensors that were added by hand; one whose recordings were all left out stays behind with them."""
     for origin in origins:
         known, store = Store.open(target).manifest, origin.store
         facts, references = origin.sensors, store.manifest["references"]
-        names = sorted({*facts, *references} - {*known["sensors"], *known["references"]})
-        if names:
-            pictures = {name: store.reference(name) for name in names if name in references}
-            keep_sensors(target, {name: facts.get(name, {}) for name in names}, pictures)
+        new = sorted({*facts, *references} - {*known["sensors"], *known["references"]})
+        if new:
+            pictures = {name: store.reference(name) for name in new if name in references}
+            contents = store.sources(["contents"])["contents"].to_pylist()
+            brought = {
+                name for text in contents for kind in ("sensors", "references") for name in json.loads(text)[kind]
+            }
+            by_hand = {name for name, picture in pictures.items() if picture.origin.startswith(BY_HAND)}
+            if names := [name for name in new if name in by_hand or name not in brought]:
+                kept = {name: pictures[name] for name in names if name in pictures}
+                keep_sensors(target, {name: facts.get(name, {}) for name in names}, kept)
 
 
 def _plan(origins: Sequence[Origin], target: Store, findings: list[Finding]) -> list[Piece]:

@@ -37,6 +37,12 @@ def overview(store: Store) -> dict[str, Any]:
     }
 
 
+def found_in(store: Store) -> list[dict[str, Any]]:
+    """Every finding that a store keeps, as JSON values, each with the name of its recording as ``source``."""
+    keys = store.sources(["key"])["key"].to_pylist()
+    return [{**row, "source": keys[row["source"]]} for row in store.findings().to_pylist()]
+
+
 def _by_sensor(store: Store, trajectories: pa.Table) -> dict[str, dict[str, Any]]:
     touched = Counter(trajectories["sensor"].to_pylist())
     counts = store.frames(["sensor"])["sensor"].value_counts().to_pylist()

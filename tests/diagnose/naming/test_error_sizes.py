@@ -127,3 +127,17 @@ def test_the_gradient_of_the_sizes_is_that_of_differences(resized):
         difference = (cost(at + step)[0] - cost(at - step)[0]) / 2e-5
         assert gradient[number] == pytest.approx(difference, rel=1e-3, abs=1e-3)
     assert np.isfinite(value)
+
+
+@pytest.mark.parametrize("left", [1e-152, 1e-157, 1e-160, 1e-170])
+def test_fits_that_change_next_to_nothing_leave_the_sizes(resized, left):
+    """Where all that is fitted has denormal squares, sizes are known by their prior alone; no number overflows."""
+    white, fit, _ = resized
+    faint = dataclasses.replace(fit, shared=fit.shared * left)
+    nothing = dataclasses.replace(faint, shared=np.zeros_like(fit.shared))
+    at = np.zeros(len(_groups(white)))
+    with np.errstate(over="raise", divide="raise", invalid="raise"):
+        value, gradient = _size_cost(white, faint)(at)
+    expected, slope = _size_cost(white, nothing)(at)
+    assert value == pytest.approx(expected)
+    np.testing.assert_allclose(gradient, slope, rtol=1e-9, atol=1e-9)

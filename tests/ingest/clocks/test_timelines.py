@@ -5,7 +5,7 @@ import pytest
 
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Recording, Signal, Source, Stamps, Trajectory
-from tactiledata.ingest.clocks.timeline import LATEST, _witnesses, image_times, put_on_host_clock
+from tactiledata.ingest.clocks.timeline import LARGEST, LATEST, _witnesses, image_times, put_on_host_clock
 from tactiledata.ingest.clocks.witnesses import IMAGES, SIGNAL, STAMPS, TRAJECTORIES, Witness
 from tactiledata.units import SIGNAL_COLUMNS
 
@@ -44,6 +44,38 @@ def test_a_signal_is_sorted_with_all_that_it_has():
         "largest_gap_ns": 10 * MS,
     }  # fmt: skip
     assert (wrench.columns, wrench.units[0], wrench.frame) == (SIGNAL_COLUMNS["wrench"], "N", "base")
+
+
+@pytest.mark.parametrize(
+    ("name", "column", "words"),
+    [("wrench", 2, "fz = 1e+308 N"), ("wrench", 5, "tz = 1e+308 N m"), ("tcp", 0, "x = 1e+308 m"),
+     ("joints", 3, "q3 = 1e+308 rad")],
+)  # fmt: skip
+def test_numbers_that_no_sensor_gives_are_left_out(name, column, words):
+    """A reading of 1e308 is damage and goes with its whole sample; the largest that is kept, NaN and inf stay."""
+    log = START + np.arange(6) * 10 * MS
+    values = np.zeros((6, len(SIGNAL_COLUMNS[name])))
+    values[:, -1] = 1.0
+    values[[1, 4], column] = 1e308, -1e308
+    values[2, column] = LARGEST
+    values[3, column] = np.nan
+    values[5, column] = np.inf
+    timed = put_on_host_clock(recording(signal(name, log, values)))
+    (finding,) = (one for one in timed.findings if one.code == "value-impossible")
+    assert (finding.severity, finding.stream, finding.count) == ("damage", name, 2)
+    assert "2 of 6 samples hold a number that no sensor gives" in finding.message
+    assert words in finding.message
+    assert timed.signals[name].t_ns.tolist() == log[[0, 2, 3, 5]].tolist()
+    np.testing.assert_array_equal(timed.signals[name].values, values[[0, 2, 3, 5]])
+
+
+def test_numbers_without_a_unit_may_have_any_size():
+    """Quaternions, counts and raw numbers are not held against a limit of readings."""
+    values = np.full((2, 1), 1e300)
+    raw = Signal("counts", Stamps(START + np.arange(2) * MS), values, ("n",), "", ("1",))
+    found, said = placed(raw)
+    assert len(found["counts"].t_ns) == 2
+    assert "value-impossible" not in {code for code, _, _ in said}
 
 
 def test_times_beyond_the_year_2116_are_left_out():

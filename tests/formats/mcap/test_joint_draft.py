@@ -1,0 +1,88 @@
+"""One mapping for a folder of recordings: it reads the topics of all of them, and says which only some have."""
+
+import json
+
+import numpy as np
+import pytest
+import yaml
+from command import run_command
+from generators.mcap_files import KINDS, START, STEP, Tape, picture, ros_message
+
+from tactiledata.formats.mcap.mcap import McapFormat
+
+FORMAT = McapFormat()
+
+
+def recorded(path, *wrenches, serial="D20001", cameras=("/digit/image",)):
+    """A recording of five messages on each topic; those of the first camera say its serial as their frame."""
+    with Tape(path) as tape:
+        for index in range(5):
+            time = START + index * STEP
+            for topic in wrenches:
+                tape.ros(topic, time, ros_message("wrench", time, np.full(6, index)), KINDS["wrench"])
+            for topic in cameras:
+                tape.image(time, time, picture(index), topic=topic, frame=serial if topic == "/digit/image" else "")
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Three recordings: the second has a camera more, the third another sensor and another force topic."""
+    recorded(tmp_path / "run0.mcap", "/lab/force")
+    recorded(tmp_path / "run1.mcap", "/lab/force", cameras=("/digit/image", "/gelsight/image"))
+    recorded(tmp_path / "run2.mcap", "/lab/ft", serial="D20002")
+    return tmp_path
+
+
+def test_a_draft_is_made_from_all_recordings(folder, capsys):
+    """Topics of every file are in the draft, and its first lines say which of them only some files have."""
+    code, text, _ = run_command(capsys, "inspect", folder, "--suggest-mapping")
+    assert code == 0
+    drafted = yaml.safe_load(text)
+    assert set(drafted["images"]) == {"digit", "gelsight"}
+    assert "#   topic: /lab/ft" in text
+    head = text[: text.index("format:")]
+    assert "Drafted from 3 recordings" in head
+    assert "/gelsight/image: 1 of 3" in head
+    assert "/lab/force: 2 of 3" in head
+    assert "/digit/image" not in head
+
+
+def test_a_serial_of_one_recording_is_not_given_to_another(folder, capsys):
+    """Where recordings name different sensors, the draft leaves the camera's open, and each keeps its own."""
+    text = run_command(capsys, "inspect", folder, "--suggest-mapping")[1]
+    drafted = yaml.safe_load(text)
+    assert drafted["images"]["digit"] == {"topic": "/digit/image"}
+    assert {"D20001", "D20002"} <= set(drafted["description"]["sensors"])
+    (folder / "mapping.yaml").write_text(text, encoding="utf-8")
+    code, out, _ = run_command(capsys, "ingest", folder, "--mapping", folder / "mapping.yaml", "--store", folder / "s")
+    assert code == 0, out
+    sensors = json.loads(run_command(capsys, "info", folder / "s", "--json")[1])["by_sensor"]
+    assert (sensors["D20001"]["frames"], sensors["D20002"]["frames"]) == (10, 5)
+
+
+def test_recordings_alike_give_the_draft_of_one(tmp_path, capsys):
+    """Recordings with the same topics give the draft of a single one, and a line that says so."""
+    for number in range(2):
+        recorded(tmp_path / f"run{number}.mcap", "/lab/force")
+    one = run_command(capsys, "inspect", tmp_path / "run0.mcap", "--suggest-mapping")[1]
+    both = run_command(capsys, "inspect", tmp_path, "--suggest-mapping")[1]
+    assert both.endswith(one)
+    assert both.removesuffix(one).splitlines()[-1] == "# All of them have the same topics."
+    assert not one.startswith("#")
+    document = json.loads(run_command(capsys, "inspect", tmp_path, "--json")[1])
+    assert document["suggested_mapping"] == yaml.safe_load(both)
+
+
+def test_a_topic_of_two_types_is_told(tmp_path, capsys):
+    """A topic that has another type in another recording is named with its types."""
+    recorded(tmp_path / "run0.mcap", "/lab/force")
+    with Tape(tmp_path / "run1.mcap") as tape:
+        tape.ros("/lab/force", START, ros_message("tcp", START, [0, 0, 0, 0, 0, 0, 1]), KINDS["tcp"])
+    text = run_command(capsys, "inspect", tmp_path, "--suggest-mapping")[1]
+    [line] = [line for line in text.splitlines() if "/lab/force: geometry_msgs/WrenchStamped in " in line]
+    assert "geometry_msgs/PoseStamped in " in line
+
+
+def test_a_draft_of_nothing_is_none():
+    """Without recordings that were looked at there is no draft."""
+    assert FORMAT.draft([]) == (None, "")
