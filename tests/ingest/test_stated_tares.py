@@ -24,6 +24,8 @@ NOISE = 0.05
 """N, one component."""
 WITHIN = 0.15
 """N: what noise, drift within a touch and the measured jump of a tare leave."""
+WITHIN_A_RAMP = 0.2
+"""The same where the force rises during the jump: a hundredth of such worlds is beyond 0.15 N."""
 
 
 def stored(t_ns, values, name):
@@ -128,6 +130,7 @@ def test_forces_are_right_wherever_the_sensor_was_tared(place, named):
 @pytest.mark.slow
 @few(60)
 @example(0, 2, 4.0, "while pressing", 0.0, 6.0, 1.0, False, set())
+@example(115641, 2, 1.0, "on the way into the gel", 0.0, 2.0, 1.0, False, set())
 @given(
     st.integers(0, 10**6),
     st.integers(2, 5),
@@ -144,8 +147,9 @@ def test_the_truth_never_makes_forces_worse(seed, touches, dwell, place, drift, 
     tares = PLACES[place](touches, dwell)
     world = World(seed, touches, dwell, tares, drift, peak, sign, compensated)
     whole = world.error(ALL)
-    # a zero that is known at one end of a dwell drifts until its other end
-    assert whole < WITHIN + abs(drift) * dwell
+    # a jump within a ramp is known less well; a zero that is known at one end of a dwell drifts until its other end
+    known = WITHIN_A_RAMP if place == "on the way into the gel" else WITHIN
+    assert whole < known + abs(drift) * dwell
     assert whole < world.error(sorted(kept)) + 0.05
 
 
