@@ -24,7 +24,7 @@ def gaps(count):
 
 
 def test_findings_alike_are_printed_once_with_their_places(capsys):
-    """Of five that say the same, the first is whole, the next three places are named, and the way to all is told."""
+    """Of five findings that say the same, one is printed whole, three places are named, and how to see all is said."""
     assert printed(capsys, gaps(5)) == [
         "warning day0: wrench: 0 gaps of '0' [gap]",
         "and 4 more like it, in day1, day2, day3 …",

@@ -25,7 +25,7 @@ NOISE = 0.05
 WITHIN = 0.15
 """N: what noise, drift within a touch and the measured jump of a tare leave."""
 WITHIN_A_RAMP = 0.2
-"""The same where the force rises during the jump: a hundredth of such worlds is beyond 0.15 N."""
+"""N: largest error allowed where the force rises while the sensor is tared; 1 % of such worlds are beyond 0.15 N."""
 
 
 def stored(t_ns, values, name):

@@ -13,7 +13,7 @@ LEAST = 1e-290
 
 A pseudo-inverse of up to 1e12, divided by it, is still a number."""
 LEAST_SHARE = 1e-60
-"""The same, as a share of the largest information; units of parameters do not differ by so much."""
+"""Share of the largest information of a matrix below which a direction has none; units do not differ by so much."""
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ import numpy as np
 
 from tactiledata.arrays import Array, Indices, Mask
 from tactiledata.diagnose.zeros.readings import ForceZeros
-from tactiledata.diagnose.zeros.zero_models import cable_friction
+from tactiledata.diagnose.zeros.zero_models import cable_shapes
 
 SHARES = np.concatenate([[0.0], np.logspace(-2.0, 3.0, 31)])
 """Variances of the walk's step from one trajectory to the next that are tried, over that of the white scatter."""
@@ -113,8 +113,8 @@ def wandering_zero(zeros: ForceZeros, times: Sequence[float] = (), seed: int = 0
     is_of /= is_of.sum(axis=1)[:, None]
     force, seconds, remaining = is_of @ zeros.load[:, :3], is_of @ zeros.seconds, is_of @ zeros.remaining
     together = tares[:, None] == np.unique(tares)
-    joints = None if zeros.joints is None else is_of @ np.column_stack([zeros.joints[:, 4:], cable_friction(zeros)])
-    design = _design(is_of @ zeros.down, joints, seconds, together, times)
+    cable = None if zeros.joints is None else is_of @ cable_shapes(zeros)
+    design = _design(is_of @ zeros.down, cable, seconds, together, times)
     step, covariance = _walk_covariance(seconds, together)
     basis, sizes, _ = np.linalg.svd(design)
     rank = int((sizes > CONSTANT * sizes[0]).sum())
@@ -136,16 +136,15 @@ def wandering_zero(zeros: ForceZeros, times: Sequence[float] = (), seed: int = 0
     return Wander(p, max(0.0, 1.0 - (after / before) ** 2), before, after, walk, within)
 
 
-def _design(down: Array, joints: Array | None, seconds: Array, together: Mask, times: Sequence[float]) -> Array:
+def _design(down: Array, cable: Array | None, seconds: Array, together: Mask, times: Sequence[float]) -> Array:
     """Return unit columns (t, k): a line in time for each stretch between two tares, drifts since power-on, gravity,
-    and, where they are known, the last two joints and the friction of a cable, ``joints`` (t, 3).
+    and, where joints are known, what the pull of a cable follows.
     """
     stretches = together.astype(np.float64)
     columns = [stretches, stretches * (seconds - seconds.mean())[:, None], down]
     columns += [np.exp(-seconds / time)[:, None] for time in times]
-    if joints is not None:
-        wrist, last, friction = joints.T
-        columns.append(np.stack([np.sin(last), np.cos(last), wrist, friction], axis=1))
+    if cable is not None:
+        columns.append(cable)
     design = np.hstack(columns)
     lengths: Array = np.linalg.norm(design, axis=0)
     return design / np.where(lengths > 0, lengths, 1.0)

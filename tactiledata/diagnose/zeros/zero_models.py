@@ -121,9 +121,7 @@ def _cable(zeros: ForceZeros, scale: Array) -> ZeroModel:
     """Return the model of the cable's drag: each component as sine and cosine of the last joint's angle, linear in the
     one before, and with the friction of a cable that follows the last joint.
     """
-    assert zeros.joints is not None
-    last, wrist = zeros.joints[:, 5], zeros.joints[:, 4]
-    shapes = np.stack([np.sin(last), np.cos(last), wrist - wrist.mean(), cable_friction(zeros)], axis=1)
+    shapes = cable_shapes(zeros)
     columns = np.concatenate([shapes[:, None, k, None] * np.eye(6) for k in range(shapes.shape[1])], axis=2)
 
     def words(values: dict[str, float]) -> str:
@@ -144,6 +142,19 @@ def _cable(zeros: ForceZeros, scale: Array) -> ZeroModel:
         },
         words,
     )
+
+
+def cable_shapes(zeros: ForceZeros) -> Array:
+    """Return what the pull of a cable may follow (n, 4): sine and cosine of the last joint, the wrist, and friction.
+
+    Parameters
+    ----------
+    zeros : ForceZeros
+        The n pieces, with joint angles.
+    """
+    assert zeros.joints is not None
+    last, wrist = zeros.joints[:, 5], zeros.joints[:, 4]
+    return np.stack([np.sin(last), np.cos(last), wrist - wrist.mean(), cable_friction(zeros)], axis=1)
 
 
 def cable_friction(zeros: ForceZeros) -> Array:

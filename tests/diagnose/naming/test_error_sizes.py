@@ -131,7 +131,7 @@ def test_the_gradient_of_the_sizes_is_that_of_differences(resized):
 
 @pytest.mark.parametrize("left", [1e-152, 1e-157, 1e-160, 1e-170])
 def test_fits_that_change_next_to_nothing_leave_the_sizes(resized, left):
-    """Where all that is fitted has denormal squares, sizes are known by their prior alone; no number overflows."""
+    """Sizes of errors whose influence on the data is denormal follow from their prior alone; no number overflows."""
     white, fit, _ = resized
     faint = dataclasses.replace(fit, shared=fit.shared * left)
     nothing = dataclasses.replace(faint, shared=np.zeros_like(fit.shared))

@@ -28,7 +28,7 @@ def some_matrix(seed, size=6, zeros=()):
 @pytest.mark.parametrize("zeros", [(), (2,), (0, 5)])
 @pytest.mark.parametrize("seed", range(5))
 def test_ordinary_matrices_give_the_same_bits(seed, zeros):
-    """Where there is information, all numbers are those of the division by the diagonal; rows of zeros stay zeros."""
+    """A matrix with information everywhere is scaled as division by its diagonal does it; rows of zeros stay zeros."""
     matrix = some_matrix(seed, zeros=zeros)
     scale = np.sqrt(np.maximum(np.diag(matrix), 1e-300))
     divided = matrix / np.outer(scale, scale)

@@ -9,7 +9,7 @@ from drawn_zeros import zeros
 from tactiledata.diagnose.zeros import wander
 from tactiledata.diagnose.zeros.causes import zero_causes
 from tactiledata.diagnose.zeros.wander import wandering_zero
-from tactiledata.diagnose.zeros.zero_models import cable_friction
+from tactiledata.diagnose.zeros.zero_models import cable_shapes
 
 
 def walking(seed=0, walk=0.1, **more):
@@ -18,7 +18,7 @@ def walking(seed=0, walk=0.1, **more):
 
 
 def test_a_walk_is_found_with_its_size():
-    """Of ten drawn walks all are found; the mean of their variances is the planted one."""
+    """Each of ten zeros that were drawn as random walks is found to wander, on average with the planted variance."""
     found = [wandering_zero(walking(seed)) for seed in range(10)]
     assert all(found)
     variance = np.mean([one.walk**2 for one in found])
@@ -31,7 +31,7 @@ def test_a_walk_is_found_with_its_size():
 
 @pytest.mark.parametrize("planted", [{}, {"scatter": 0.1}, {"mass": 0.06, "cable": 0.3}], ids=["own", "large", "pose"])
 def test_zeros_that_scatter_do_not_wander(planted):
-    """In forty worlds whose zeros are independent, or follow gravity and the joints, none wanders."""
+    """Zeros that differ by chance from trajectory to trajectory, or follow the pose, are not said to wander."""
     assert not any(wandering_zero(zeros(seed, trajectories=36, **planted)) for seed in range(40))
 
 
@@ -78,8 +78,7 @@ def test_the_likelihood_is_that_of_a_normal_distribution():
     first = np.unique(walked.trajectory, return_index=True)[1]
     together = walked.zeroed[first][:, None] == np.unique(walked.zeroed)
     seconds = walked.seconds[first]
-    joints = np.column_stack([walked.joints[first, 4:], cable_friction(walked)[first]])
-    design = wander._design(walked.down[first], joints, seconds, together, ())
+    design = wander._design(walked.down[first], cable_shapes(walked)[first], seconds, together, ())
     _, covariance = wander._walk_covariance(seconds, together)
     basis = np.linalg.svd(design)[0][:, design.shape[1] :]
     sizes, axes = np.linalg.eigh(basis.T @ covariance @ basis)

@@ -48,7 +48,7 @@ def test_a_draft_is_made_from_all_recordings(folder, capsys):
 
 
 def test_a_serial_of_one_recording_is_not_given_to_another(folder, capsys):
-    """Where recordings name different sensors, the draft leaves the camera's open, and each keeps its own."""
+    """A mapping drafted from recordings of different sensors names none, so that each recording keeps its own."""
     text = run_command(capsys, "inspect", folder, "--suggest-mapping")[1]
     drafted = yaml.safe_load(text)
     assert drafted["images"]["digit"] == {"topic": "/digit/image"}
