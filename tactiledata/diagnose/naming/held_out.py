@@ -8,12 +8,15 @@ import numpy as np
 
 from tactiledata.arrays import Array, Indices, Mask
 from tactiledata.diagnose.naming.joint_fit import JointFit
-from tactiledata.diagnose.naming.linearise import bounded_change, step_bounds
+from tactiledata.diagnose.naming.linearise import Linearised, bounded_change, step_bounds
 from tactiledata.diagnose.naming.metric import RandomEffects
+from tactiledata.diagnose.naming.parameters import JointModel
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
 
 FOLDS = 5
 """Largest number of folds into which trajectories are dealt."""
+HALVINGS = 6
+"""Largest number of times that a step is halved because the fitted trajectories, simulated anew, get worse by it."""
 
 
 @dataclass(frozen=True)
@@ -36,9 +39,10 @@ class GroupedCosts:
 def held_out(whitened: WhitenedTouches, fit: JointFit, seed: int = 0) -> GroupedCosts:
     """Return the sums of squares that held-out trajectories and indenters have under a fit to the others.
 
-    The fit to the others is not iterated: it is one step from the fit to all, in the linearisation about it. E, nu, mu,
-    the effects' numbers and the errors of the simulation move. The contact offset of a held-out trajectory, and the
-    simulation's errors of a held-out indenter, are marginalised under their priors.
+    The fit to the others is not iterated: it is one step from the fit to all (`Refits.without`). E, nu, mu, the
+    effects' numbers and the errors of the simulation move, and the held-out trajectories are simulated anew. The
+    contact offset of a held-out trajectory, and the simulation's errors of a held-out indenter, are marginalised under
+    their priors.
 
     Parameters
     ----------
@@ -57,7 +61,7 @@ def held_out(whitened: WhitenedTouches, fit: JointFit, seed: int = 0) -> Grouped
     count = len(whitened.starts)
     dealt = folds_of(count, seed)
     by_trajectory = np.zeros(count)
-    refits = LinearRefits.of(whitened, fit)
+    refits = Refits.of(whitened, fit)
     for fold in range(int(dealt.max()) + 1):
         for number, cost in refits.costs(dealt == fold, together=False).items():
             by_trajectory[number] = cost
@@ -76,8 +80,8 @@ def folds_of(count: int, seed: int = 0) -> Indices:
 
 
 @dataclass(frozen=True)
-class LinearRefits:
-    """Normal equations of each trajectory about a fit, to be summed over the trajectories that are fitted.
+class Refits:
+    """Refits to some of the trajectories, each by one step from the fit to all of them.
 
     Parameters
     ----------
@@ -89,34 +93,57 @@ class LinearRefits:
         Matrix of the normal equations of each trajectory, its contact offset marginalised.
     gradients : (t, q)
         Right-hand side of each trajectory.
-    residual : (N, 6)
-        Whitened residual with every contact offset at 0.
     """
 
     whitened: WhitenedTouches
     fit: JointFit
     grams: Array
     gradients: Array
-    residual: Array
 
     @staticmethod
-    def of(whitened: WhitenedTouches, fit: JointFit) -> LinearRefits:
+    def of(whitened: WhitenedTouches, fit: JointFit) -> Refits:
         """Return the normal equations about a fit to these trajectories."""
-        residual = fit.residual + fit.own * fit.by_row
         metric = RandomEffects(fit.own, fit.shared[:, :, :0], fit.precision[:0], fit.starts)
         weighed = metric.without_own(fit.shared)
         grams = np.stack([
             np.einsum("nkp,nkq->pq", fit.shared[rows], weighed[rows], optimize=True) for rows in _rows(whitened)
         ])  # fmt: skip
-        gradients = np.add.reduceat(np.einsum("nkp,nk->np", weighed, residual), fit.starts, axis=0)
-        return LinearRefits(whitened, fit, grams, gradients, residual)
+        without_offsets = fit.residual + fit.own * fit.by_row
+        gradients = np.add.reduceat(np.einsum("nkp,nk->np", weighed, without_offsets), fit.starts, axis=0)
+        return Refits(whitened, fit, grams, gradients)
 
-    def change_without(self, out: Mask) -> Array:
-        """Return by how much the vector (q,) moves if the trajectories marked in ``out`` (t,) are not fitted."""
+    def without(self, out: Mask) -> tuple[JointModel, Array]:
+        """Return the refit without the trajectories marked in ``out`` (t,), and the residual (N, 6) of all of them.
+
+        The step is that of the linearisation about the fit to all. Where the trajectories that are fitted, simulated
+        anew, get worse by it, the linearisation does not hold so far: the step is halved, at most ``HALVINGS`` times.
+        If they still get worse, the numbers stay as they are. Contact offsets stay as fitted.
+        """
+        fit, work = self.fit, Linearised(self.whitened, frozenset())
+        change = self._change_without(out)
+        before = self._cost_of_fitted(out, fit.model, fit.residual)
+        for halving in range(HALVINGS + 1):
+            moved = fit.model.at(fit.model.vector + 0.5**halving * change, fit.model.offsets)
+            after = work.evaluate_or_none(moved)
+            if after is not None and self._cost_of_fitted(out, moved, after.residual) <= before:
+                return moved, after.residual
+        return fit.model, fit.residual
+
+    def _change_without(self, out: Mask) -> Array:
+        """By how much the vector (q,) moves, to first order, if trajectories marked in ``out`` are not fitted."""
         fit = self.fit
         prior = fit.precision * (fit.model.vector - fit.centre)
         gram = self.grams[~out].sum(axis=0) + np.diag(fit.precision)
         return bounded_change(gram, self.gradients[~out].sum(axis=0) - prior, *step_bounds(fit.model))
+
+    def _cost_of_fitted(self, out: Mask, model: JointModel, residual: Array) -> float:
+        """Cost of a model with this residual (N, 6), without trajectories in ``out``, contact offsets marginalised."""
+        fit = self.fit
+        pulled = residual + fit.own * fit.by_row
+        own = np.add.reduceat((fit.own * pulled).sum(axis=1), fit.starts)
+        size = 1.0 + np.add.reduceat((fit.own**2).sum(axis=1), fit.starts)
+        squares = np.add.reduceat((pulled**2).sum(axis=1), fit.starts) - own**2 / size
+        return float(squares[~out].sum() + fit.precision @ (model.vector - fit.centre) ** 2)
 
     def costs(self, out: Mask, together: bool) -> dict[int, float]:
         """Return the sums of squares of held-out trajectories, by the number of the trajectory.
@@ -130,7 +157,7 @@ class LinearRefits:
             the number of its first trajectory.
         """
         fit = self.fit
-        left = self.residual - fit.shared @ self.change_without(out)
+        left = self.without(out)[1] + fit.own * fit.by_row
         first_error = len(fit.precision) - len(fit.model.errors)
         numbers = np.flatnonzero(out)
         groups = [numbers] if together else [np.array([number]) for number in numbers]

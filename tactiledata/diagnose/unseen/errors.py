@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.arrays import Array
-from tactiledata.diagnose.naming.held_out import LinearRefits, folds_of
+from tactiledata.diagnose.naming.held_out import Refits, folds_of
 from tactiledata.diagnose.naming.joint_fit import JointFit
 from tactiledata.diagnose.naming.linearise import offset_steps
 from tactiledata.diagnose.naming.parameters import JointModel
@@ -27,10 +27,10 @@ ROUNDS = 2
 def held_out_wrenches(white: WhitenedTouches, fit: JointFit, groups: NDArray[np.int64]) -> Array:
     """Return wrenches (N, 6), N and N m, of each group predicted by a fit to the others; NaN where not simulated.
 
-    E, nu, mu, the effects' numbers and the errors of the simulation are refitted to the other groups by one step of
-    the whole fit's linearisation, as in `tactiledata.diagnose.naming.held_out`. The wrench is then played anew. An
-    indenter that was not fitted has no factor of its own. The contact offset and the sensor's zero are fitted to the
-    trajectory itself, under their priors: no other trajectory knows them.
+    E, nu, mu, the effects' numbers and the errors of the simulation are refitted to the other groups by one step, as in
+    `tactiledata.diagnose.naming.held_out`. The wrench is then played anew. An indenter that was not fitted has no
+    factor of its own. The contact offset and the sensor's zero are fitted to the trajectory itself, under their priors:
+    no other trajectory knows them.
 
     Parameters
     ----------
@@ -40,13 +40,14 @@ def held_out_wrenches(white: WhitenedTouches, fit: JointFit, groups: NDArray[np.
     groups : (t,)
         Number of each trajectory's group; at least two groups.
     """
-    refits, model = LinearRefits.of(white, fit), fit.model
+    refits, model = Refits.of(white, fit), fit.model
     numerical = white.simulation_error_wrenches(model.material, model.offsets, model.settings)
     predicted = np.full((len(white.trajectory), 6), np.nan)
     for group in np.unique(groups):
         out = groups == group
         rows = out[white.trajectory]
-        moved = fit.model.at(fit.model.vector + refits.change_without(out), fit.model.offsets[out])
+        refitted = refits.without(out)[0]
+        moved = refitted.at(refitted.vector, refitted.offsets[out])
         part = white.part(out)
         predicted[rows] = _with_own_offsets(part, moved, numerical[rows])
         predicted[rows] += _own_zeros(part, predicted[rows])

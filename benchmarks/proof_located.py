@@ -1,0 +1,108 @@
+"""Where the worlds of a sealed proof differ from their simulation: what locators say without a catalogue.
+
+    python benchmarks/proof_located.py PROOF [PROOF ...] [--json FILE]
+
+A PROOF is a folder that `tactiledata prove --out` made and answered; the plays of its plans are kept where that
+command keeps them. The plain simulation is fitted to the readings of each case, and the locators tell certain findings
+in what it leaves. *Where* is right if a covariate, a phase, an event or a cause of the zeros is told that
+`locating_worlds.SHOWS_IN` has for the hidden effect, as physics says and before anything was run. Beside it stands the
+share of all other effects of that table of which the same words would have been right: words that fit everything tell
+nothing. Worlds that hide nothing are the control. They have structure as well where another solver's errors leave it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from locating_worlds import SHOWS_IN, told
+from timing import table
+
+from tactiledata.diagnose.naming.joint_fit import plain_fit
+from tactiledata.diagnose.naming.options import NamingOptions
+from tactiledata.diagnose.touches.whitened import WhitenedTouches
+from tactiledata.diagnose.unseen.touch_residuals import locate_touches
+from tactiledata.diagnose.zeros.causes import zero_causes
+from tactiledata.gel.elasticity.compliance import cache_folder
+from tactiledata.prove.cases.kinds import NULLS, VISIBLE
+from tactiledata.prove.seal.folder import ProofFolder, read_readings
+from tactiledata.prove.seal.verify import ScoredCase, scored_cases
+from tactiledata.prove.worlds.logs import LogReadings
+from tactiledata.prove.worlds.plan_names import named_plan
+from tactiledata.prove.worlds.played_plan import START, PlayedPlan
+
+
+def located(played: PlayedPlan, proof: ProofFolder, case: ScoredCase) -> dict[str, Any]:
+    """What the locators tell of a case, and whether it is right."""
+    readings = [LogReadings(*one) for one in read_readings(proof.case(case.name))]
+    recorded = played.maker.observed(readings)
+    white = WhitenedTouches.of(played.maker.cases(recorded, played.family), NamingOptions().errors)
+    found = locate_touches(white, plain_fit(white, START))
+    where = told(found)[1]
+    causes = zero_causes(recorded.zeros, band=recorded.dead_band)
+    where |= {f"zeros: {cause.effect}" for cause in causes if cause.matters}
+    others = [shows_in for effect, shows_in in SHOWS_IN.items() if effect != case.hidden]
+    return {
+        "case": case.name,
+        "kind": case.kind,
+        "generator": case.configuration.split()[0],
+        "hidden": case.hidden,
+        "is_structured": found.is_structured,
+        "told": sorted(where),
+        "is_right": bool(where & SHOWS_IN.get(case.hidden, set())),
+        "by_chance": float(np.mean([bool(where & shows_in) for shows_in in others])),
+        "sentences": found.sentences(),
+    }
+
+
+def print_tables(found: Sequence[Mapping[str, Any]]) -> None:
+    """Print a line a visible case, then how many are right in each generator, and the control."""
+    visible = [one for one in found if one["kind"] == VISIBLE]
+    rows = []
+    for one in sorted(visible, key=lambda each: (each["generator"], each["hidden"])):
+        right = ", ".join(sorted(set(one["told"]) & SHOWS_IN[one["hidden"]])) or "-"
+        rows.append((one["generator"], one["hidden"], right, len(one["told"]), f"{one['by_chance']:.2f}"))
+    table(("generator", "hidden", "right words", "words", "right of other effects"), rows)
+    sums = []
+    for generator in sorted({one["generator"] for one in found}):
+        mine = [one for one in visible if one["generator"] == generator]
+        nulls = [one for one in found if one["generator"] == generator and one["kind"] == NULLS]
+        sums.append((
+            generator,
+            f"{sum(one['is_structured'] for one in mine)} of {len(mine)}",
+            f"{sum(one['is_right'] for one in mine)} of {len(mine)}",
+            f"{sum(one['by_chance'] for one in mine):.1f}",
+            f"{sum(one['is_structured'] for one in nulls)} of {len(nulls)}",
+        ))  # fmt: skip
+    table(("generator", "structure", "where right", "by chance", "structure in nulls"), sums)
+
+
+def main() -> None:
+    """Locate in every case that hides one effect of the table or nothing, and print the tables."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("proofs", type=Path, nargs="+")
+    parser.add_argument("--json", type=Path)
+    asked = parser.parse_args()
+    plans: dict[str, PlayedPlan] = {}
+    found = []
+    for folder in asked.proofs:
+        proof = ProofFolder(folder)
+        for case in scored_cases(proof):
+            if case.kind != NULLS and not (case.kind == VISIBLE and case.hidden in SHOWS_IN):
+                continue
+            name = case.configuration.split()[1]
+            if name not in plans:
+                plans[name] = PlayedPlan.of(named_plan(name), cache_folder() / "generators", with_variants=False)
+            found.append(located(plans[name], proof, case))
+            print(f"{case.name}: {' '.join(found[-1]['sentences'])}", flush=True)
+    print_tables(found)
+    if asked.json:
+        asked.json.write_text(json.dumps(found, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()
