@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -63,6 +64,9 @@ def prove(
         True, "--variants/--no-variants", help="Whether effects take part for which other gels have to be played."
     ),
     full: bool = typer.Option(False, "--full", help="Play gels in full on which an answer could rest (long)."),
+    seal_only: bool = typer.Option(
+        False, "--seal-only", help="Stop before the first answer: publish the root that is printed, then go on."
+    ),
     again: str = typer.Option(None, "--again", help="Diagnose these cases once more: their names, with commas."),
     workers: int = WORKERS,
     scheduler: str = SCHEDULER,
@@ -72,7 +76,8 @@ def prove(
     """Prove the diagnosis on simulated recordings of known truth.
 
     Cases are drawn and sealed before any of them is diagnosed; then answers are scored. A run that was killed goes on
-    with the same command. Everything is simulated.
+    with the same command. --seal-only stops after the seal, so that its root can be published first. Everything is
+    simulated.
 
     Example: tactiledata prove --quick --out proof --workers 2
     """
@@ -91,6 +96,10 @@ def prove(
             raise UsageError(
                 f"{option} with --out", f"{option} with --verify", "Leave the option out: it would change nothing."
             )
+    if seal_only and again is not None:
+        raise UsageError(
+            "--again with --seal-only", "one of them", "--seal-only gives no answer; --again gives answers once more."
+        )
     if not 0 <= seed < SEEDS:
         raise UsageError(f"--seed {seed}", f"0 or more, below {SEEDS}", "Any of these numbers serves.")
     counts = {
@@ -116,7 +125,8 @@ def prove(
             "in_full": full,
         },
     )
-    _run(folder, request, _bank(bank), workers, scheduler, () if again is None else _names(again, "--again"), as_json)
+    cases = () if again is None else _names(again, "--again")
+    _run(folder, request, _bank(bank), workers, scheduler, cases, seal_only, as_json)
 
 
 REQUEST = {
@@ -178,9 +188,10 @@ def _run(
     workers: int,
     scheduler: str | None,
     again: tuple[str, ...],
+    seal_only: bool,
     as_json: bool,
 ) -> None:
-    """Run a proof, or the rest of it, and print its score."""
+    """Run a proof, or the rest of it, and print its score; with ``seal_only``, print the root and stop."""
     from tactiledata.compute import make_scheduler
     from tactiledata.prove.page import write_page
     from tactiledata.prove.run import ProofRun
@@ -188,7 +199,17 @@ def _run(
     with progress("proving", quiet=as_json) as report_progress:
         tell = (lambda sentence: None) if as_json else say
         run = ProofRun(folder, request, bank.absolute(), make_scheduler(workers, scheduler), report_progress, tell)
-        score = run.run(again)
+        if seal_only:
+            seal = run.run_until_sealed()
+        else:
+            score = run.run(again)
+    if seal_only:
+        if as_json:
+            emit({"root": seal["root"], "cases": len(seal["cases"])})
+            return
+        say(f"written: {folder.seal}. Root: {seal['root']}")
+        say(f"next: publish the root, then {shlex.join(['tactiledata', 'prove', '--out', str(folder.path)])}")
+        return
     write_page(folder)
     if as_json:
         emit(score)

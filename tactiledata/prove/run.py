@@ -66,6 +66,16 @@ class ProofRun:
             self.answer(seal, again)
             return self.score()
 
+    def run_until_sealed(self) -> dict[str, Any]:
+        """Play, draw and seal, and diagnose nothing; return the seal, whose root can then be published.
+
+        A later `run` with the same folder gives the answers.
+        """
+        self.ask()
+        with writing_lock(self.folder.path):
+            self.play()
+            return self.seal()
+
     def ask(self) -> None:
         """Write what is asked; refuse a folder in which something else was asked."""
         document = {"format": FORMAT, "request": self.request.document}

@@ -78,6 +78,27 @@ def test_a_killed_proof_goes_on_and_fits(tmp_path, monkeypatch):
 
 
 @pytest.mark.slow
+def test_the_root_is_known_before_the_first_answer(tmp_path, monkeypatch):
+    """With --seal-only a proof stops at its seal; it goes on from there, and the root stays."""
+    folder = ProofFolder(tmp_path / "proof")
+    monkeypatch.setenv("TACTILEDATA_CACHE", str(tmp_path / "cache"))
+    words = ["prove", "--out", str(folder.path)]
+    done = CliRunner().invoke(app, [*words, *CASES, "--effects", "lag", "--seal-only"])
+    assert done.exit_code == 0, done.output
+    root = json.loads(folder.seal.read_text())["root"]
+    assert root in done.output
+    assert "next: publish the root" in done.output
+    assert not list(folder.path.glob("answers/*"))
+    assert not list(folder.path.glob("attempts/*"))
+    done = CliRunner().invoke(app, [*words, "--seal-only", "--json"])
+    assert json.loads(done.output) == {"root": root, "cases": 2}
+    done = CliRunner().invoke(app, words)
+    assert done.exit_code == 0, done.output
+    found = verify(folder, root)
+    assert (found.faults, found.answers) == ((), 2)
+
+
+@pytest.mark.slow
 def test_other_gels_are_played_where_effects_take_part_that_need_them(tmp_path, monkeypatch):
     """A proof plays the other gels of all effects if it is told to, and no other gel if it is not."""
     asked = []
@@ -130,6 +151,7 @@ def test_wrong_usage_is_refused(tmp_path):
         [*out, "--nulls", "1", "--mismatch", "nan"],
         [*out, "--nulls", "1", "--noise", "much"],
         [*out, "--root", "0"],
+        [*out, "--seal-only", "--again", "0a"],
     ):
         assert isinstance(CliRunner().invoke(app, words).exception, UsageError), words
     (tmp_path / "x").mkdir()
