@@ -2,7 +2,7 @@
 
 ``base`` says what a format offers: ``sniff`` judges by content, ``sources`` lists recordings, ``read`` pushes
 pictures into a sink and returns signals in SI units, ``inspect`` says what is in a file without keeping it. A
-format in one file is ``<name>.py``; ``mcap`` and ``folder`` are folders whose member bears the same name.
+format in one file is ``<name>.py``; ``mcap``, ``folder`` and ``hdf5`` are folders whose member bears the same name.
 ``reading`` holds what several formats read alike. Members never import one another. Nothing here chooses clocks or
 takes off zeros: that is ``ingest``.
 """
@@ -22,6 +22,7 @@ FORMATS = Registry(
         "objectfolder_real": "tactiledata.formats.objectfolder_real:ObjectFolderRealFormat",
         "sparsh_force": "tactiledata.formats.sparsh_force:SparshForceFormat",
         "across_hdf5": "tactiledata.formats.across_hdf5:AcrossHdf5Format",
+        "hdf5": "tactiledata.formats.hdf5.hdf5:Hdf5Format",
         "image_folder": "tactiledata.formats.image_folder:ImageFolderFormat",
     },
     group="tactiledata.formats",

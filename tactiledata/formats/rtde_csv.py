@@ -17,6 +17,7 @@ from tactiledata.formats.reading.csv_cells import CsvTable, Mask, listed
 from tactiledata.formats.reading.csv_tables import read_csv_table
 from tactiledata.formats.reading.described import described_trajectories
 from tactiledata.formats.reading.intake import Intake
+from tactiledata.formats.reading.rotation_vectors import poses_from_rotation_vectors
 from tactiledata.units import SIGNAL_COLUMNS
 
 CLOCK = "timestamp"
@@ -125,19 +126,6 @@ class RtdeCsvFormat(CorpusFormat):
         description = _description(source, mapping or {})
         trajectories = tuple(described_trajectories(description))
         return Recording(source, description, signals, trajectories, (*findings, *intake.findings), "log")
-
-
-def poses_from_rotation_vectors(values: Values) -> Values:
-    """Poses (n, 7), quaternion x y z w, of UR's (n, 6): position in metres and rotation vector in radians.
-
-    Examples
-    --------
-    >>> poses_from_rotation_vectors(np.array([[1, 2, 3, np.pi, 0, 0]])).round(6).tolist()
-    [[1.0, 2.0, 3.0, 1.0, 0.0, 0.0, 0.0]]
-    """
-    from scipy.spatial.transform import Rotation
-
-    return np.concatenate([values[:, :3], Rotation.from_rotvec(values[:, 3:]).as_quat()], axis=1)
 
 
 def _signal(name: str, t_ns: Times, values: Values, rows: Mask) -> Signal:

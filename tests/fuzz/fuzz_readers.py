@@ -17,6 +17,7 @@ from generators import (
     folder_log,
     fota,
     gelsight_presses,
+    hdf5_arrays,
     mcap_files,
     objectfolder_real,
     rtde_csv,
@@ -158,6 +159,18 @@ def read_scenario(place: Path) -> object:
     from tactiledata.rig.scenario.scenario import load_scenario
 
     return load_scenario(place)
+
+
+def read_arrays(path: Path) -> object:
+    """Look into an HDF5 file of arrays, and read it by a mapping."""
+    from generators.collect import Collected
+
+    from tactiledata.formats.hdf5.hdf5 import Hdf5Format
+
+    form = Hdf5Format()
+    [source] = form.sources(path)
+    form.inspect(source)
+    return form.read(source, Collected(), hdf5_arrays.MAPPING)
 
 
 def mappings(folder: Path) -> None:
@@ -394,6 +407,11 @@ READERS = {
             "across_hdf5",
             lambda folder: across_hdf5.write(folder / "across", rng(), trials=1, steps=3, environments=2),
             ingested,
+        ),
+        Reader(
+            "hdf5",
+            lambda folder: hdf5_arrays.write(folder / "run.h5", hdf5_arrays.some_arrays()),
+            lambda folder: each(folder, read_arrays),
         ),
         Reader("mapping", mappings, read_mapping),
         Reader("recipe", recipes, lambda folder: each(folder, read_recipe)),

@@ -39,7 +39,7 @@ class GroupedCosts:
 def held_out(whitened: WhitenedTouches, fit: JointFit, seed: int = 0) -> GroupedCosts:
     """Return the sums of squares that held-out trajectories and indenters have under a fit to the others.
 
-    The fit to the others is not iterated: it is one step from the fit to all (`Refits.without`). E, nu, mu, the
+    The fit to the others is not iterated: it is one step from the fit to all (`HeldOutRefits.without`). E, nu, mu, the
     effects' numbers and the errors of the simulation move, and the held-out trajectories are simulated anew. The
     contact offset of a held-out trajectory, and the simulation's errors of a held-out indenter, are marginalised under
     their priors.
@@ -61,7 +61,7 @@ def held_out(whitened: WhitenedTouches, fit: JointFit, seed: int = 0) -> Grouped
     count = len(whitened.starts)
     dealt = folds_of(count, seed)
     by_trajectory = np.zeros(count)
-    refits = Refits.of(whitened, fit)
+    refits = HeldOutRefits.of(whitened, fit)
     for fold in range(int(dealt.max()) + 1):
         for number, cost in refits.costs(dealt == fold, together=False).items():
             by_trajectory[number] = cost
@@ -80,8 +80,8 @@ def folds_of(count: int, seed: int = 0) -> Indices:
 
 
 @dataclass(frozen=True)
-class Refits:
-    """Refits to some of the trajectories, each by one step from the fit to all of them.
+class HeldOutRefits:
+    """HeldOutRefits to some of the trajectories, each by one step from the fit to all of them.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ class Refits:
     gradients: Array
 
     @staticmethod
-    def of(whitened: WhitenedTouches, fit: JointFit) -> Refits:
+    def of(whitened: WhitenedTouches, fit: JointFit) -> HeldOutRefits:
         """Return the normal equations about a fit to these trajectories."""
         metric = RandomEffects(fit.own, fit.shared[:, :, :0], fit.precision[:0], fit.starts)
         weighed = metric.without_own(fit.shared)
@@ -110,7 +110,7 @@ class Refits:
         ])  # fmt: skip
         without_offsets = fit.residual + fit.own * fit.by_row
         gradients = np.add.reduceat(np.einsum("nkp,nk->np", weighed, without_offsets), fit.starts, axis=0)
-        return Refits(whitened, fit, grams, gradients)
+        return HeldOutRefits(whitened, fit, grams, gradients)
 
     def without(self, out: Mask) -> tuple[JointModel, Array]:
         """Return the refit without the trajectories marked in ``out`` (t,), and the residual (N, 6) of all of them.
@@ -130,14 +130,14 @@ class Refits:
         return fit.model, fit.residual
 
     def _change_without(self, out: Mask) -> Array:
-        """By how much the vector (q,) moves, to first order, if trajectories marked in ``out`` are not fitted."""
+        """Return by how much the vector (q,) moves, to first order, if the trajectories in ``out`` are not fitted."""
         fit = self.fit
         prior = fit.precision * (fit.model.vector - fit.centre)
         gram = self.grams[~out].sum(axis=0) + np.diag(fit.precision)
         return bounded_change(gram, self.gradients[~out].sum(axis=0) - prior, *step_bounds(fit.model))
 
     def _cost_of_fitted(self, out: Mask, model: JointModel, residual: Array) -> float:
-        """Cost of a model with this residual (N, 6), without trajectories in ``out``, contact offsets marginalised."""
+        """Return the cost of a model with this residual (N, 6), without trajectories in ``out``, offsets marginalised."""
         fit = self.fit
         pulled = residual + fit.own * fit.by_row
         own = np.add.reduceat((fit.own * pulled).sum(axis=1), fit.starts)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.arrays import Array
-from tactiledata.diagnose.naming.held_out import Refits, folds_of
+from tactiledata.diagnose.naming.held_out import HeldOutRefits, folds_of
 from tactiledata.diagnose.naming.joint_fit import JointFit
 from tactiledata.diagnose.naming.linearise import offset_steps
 from tactiledata.diagnose.naming.parameters import JointModel
@@ -40,7 +40,7 @@ def held_out_wrenches(white: WhitenedTouches, fit: JointFit, groups: NDArray[np.
     groups : (t,)
         Number of each trajectory's group; at least two groups.
     """
-    refits, model = Refits.of(white, fit), fit.model
+    refits, model = HeldOutRefits.of(white, fit), fit.model
     numerical = white.simulation_error_wrenches(model.material, model.offsets, model.settings)
     predicted = np.full((len(white.trajectory), 6), np.nan)
     for group in np.unique(groups):

@@ -234,10 +234,22 @@ def _found(topic: str, known: list[Topic], place: str, findings: list[Finding]) 
     return None
 
 
+def _refuse_array_keys(entry: Mapping[str, Any], place: str) -> None:
+    for key in ("time", "time_unit"):
+        if key in entry:
+            raise SchemaError(
+                f"the mapping's {place} has {key}, which is for arrays in HDF5 files",
+                "no such key: messages carry their times",
+                "Write a mapping of its own for HDF5 files.",
+                path=f"$.{place}.{key}",
+            )
+
+
 def _mapped_signal(
     name: str, entry: Mapping[str, Any], known: list[Topic], findings: list[Finding]
 ) -> SignalRole | None:
     place = f"signals.{name}"
+    _refuse_array_keys(entry, place)
     fields = tuple(entry.get("fields", ()))
     columns = COLUMNS_OF.get(name, fields)
     try:
@@ -301,6 +313,7 @@ def _mapped_camera(
     camera: str, entry: Mapping[str, Any], known: list[Topic], findings: list[Finding]
 ) -> ImageRole | None:
     place = f"images.{camera}"
+    _refuse_array_keys(entry, place)
     topic = _found(entry["topic"], known, place, findings)
     if topic is None:
         return None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import zlib
 from collections.abc import Iterator
@@ -37,6 +38,66 @@ STORED_SPARE = 4096
 
 class UnreadableNumbers(ValueError):
     """A data set that is not read, with the reason as its message."""
+
+
+class Hdf5Rows:
+    """The rows of a data set of bytes, read a chunk at a time.
+
+    Parameters
+    ----------
+    dataset : h5py.Dataset
+        Of type uint8, or of byte strings of varying length.
+    is_packed : bool
+        Whether its rows are byte strings: pictures as files.
+    filters : list of int
+        Numbers of the filters of its chunks.
+    """
+
+    def __init__(self, dataset: Any, is_packed: bool, filters: list[int]) -> None:
+        self.shape: tuple[int, ...] = dataset.shape
+        self.is_packed = is_packed
+        self._dataset, self._filters = dataset, filters
+        self._step = dataset.chunks[0] if dataset.chunks and not is_packed else 1
+        self._first = 0
+        self._block: Any = None
+
+    def __len__(self) -> int:
+        return self.shape[0]
+
+    def row(self, number: int) -> NDArray[np.uint8]:
+        """Return a row; a byte string as (n,).
+
+        Parameters
+        ----------
+        number : int
+            From 0.
+
+        Raises
+        ------
+        OSError
+            It cannot be read; h5py's own errors are told as this one.
+        """
+        if self._block is None or not self._first <= number < self._first + self._step:
+            self._first = number - number % self._step
+            try:
+                self._check_block()
+                self._block = self._dataset[self._first : self._first + self._step]
+            except HDF5_FAULTS as error:
+                self._block = None
+                raise OSError(0, f"cannot be read: {str(error)[:100]}") from error
+        found: NDArray[np.uint8] = np.asarray(self._block[number - self._first], dtype=np.uint8)
+        return found
+
+    def _check_block(self) -> None:
+        """Refuse chunks of the present rows that hold more than their numbers."""
+        chunks = self._dataset.chunks
+        if self.is_packed or not chunks:
+            return
+        others = (range(0, size, step) for size, step in zip(self.shape[1:], chunks[1:], strict=True))
+        for offset in itertools.product((self._first,), *others):
+            stored = self._dataset.id.get_chunk_info_by_coord(offset)
+            if stored.size:
+                _check_chunk(self._dataset, self._filters, offset, stored.size)
 
 
 class Hdf5Members:
@@ -91,6 +152,17 @@ class Hdf5Members:
         UnsafeContent
             It is a link or lies in another file, or the file seems to hold more than fits into it.
         """
+        found = self.values(parent, name, most)
+        return None if found is None else np.asarray(found, dtype=np.float64)
+
+    def values(self, parent: Any, name: str, most: int) -> NDArray[Any] | None:
+        """Return the numbers of a data set inside a group, in their own type and shape; ``None`` where there is none.
+
+        Parameters
+        ----------
+        parent, name, most
+            As of `numbers`; its errors as well.
+        """
         import h5py
 
         dataset = self._member(parent, name)
@@ -99,13 +171,60 @@ class Hdf5Members:
         if dataset.size is None or dataset.size > most or dataset.dtype.kind not in "fiu":
             raise UnreadableNumbers(f"of shape {dataset.shape} and type {str(dataset.dtype)[:60]}")
         _check_chunks(dataset)
-        self._bytes += dataset.size * max(8, dataset.dtype.itemsize)
-        if self._bytes > FREE_BYTES + MOST_GROWN * self._size:
-            raise self._too_much("numbers")
+        self._count(dataset, max(8, dataset.dtype.itemsize))
         try:
-            return np.asarray(dataset[()], dtype=np.float64)
+            return np.asarray(dataset[()])
         except HDF5_FAULTS as error:
             raise UnreadableNumbers(f"cannot be read ({str(error)[:100]})") from error
+
+    def rows(self, parent: Any, name: str) -> Hdf5Rows | None:
+        """Return a data set of bytes that is read row by row; ``None`` where there is none.
+
+        Parameters
+        ----------
+        parent : h5py.Group or None
+        name : str
+
+        Raises
+        ------
+        UnreadableNumbers
+            It holds something else than bytes, or is stored in a way that is not read.
+        UnsafeContent
+            As of `numbers`.
+        """
+        import h5py
+
+        dataset = self._member(parent, name)
+        if not isinstance(dataset, h5py.Dataset):
+            return None
+        is_packed = h5py.check_vlen_dtype(dataset.dtype) == np.uint8
+        if not dataset.shape or not (is_packed or dataset.dtype == np.uint8):
+            raise UnreadableNumbers(f"of shape {dataset.shape} and type {str(dataset.dtype)[:60]}")
+        filters = [] if is_packed else _checked_filters(dataset)
+        if not is_packed:
+            self._count(dataset, 1)
+        return Hdf5Rows(dataset, is_packed, filters)
+
+    def member(self, parent: Any, name: str) -> Any:
+        """Return a group or a data set inside a group, to look at its kind and shape; ``None`` where there is none.
+
+        Parameters
+        ----------
+        parent : h5py.Group or None
+        name : str
+
+        Raises
+        ------
+        UnsafeContent
+            As of `numbers`.
+        """
+        return self._member(parent, name)
+
+    def _count(self, dataset: Any, width: int) -> None:
+        """Refuse more numbers than a file of this size holds."""
+        self._bytes += dataset.size * width
+        if self._bytes > FREE_BYTES + MOST_GROWN * self._size:
+            raise self._too_much("numbers")
 
     def _member(self, parent: Any, name: str) -> Any:
         import h5py
@@ -145,11 +264,20 @@ def open_hdf5(path: Path) -> Iterator[Hdf5Members]:
 
 def _check_chunks(dataset: Any) -> None:
     """Refuse chunks that are large, stored by a filter that is not read, or that unpack to more than they hold."""
+    filters = _checked_filters(dataset)
+    if dataset.chunks:
+        for index in range(dataset.id.get_num_chunks()):
+            stored = dataset.id.get_chunk_info(index)
+            _check_chunk(dataset, filters, stored.chunk_offset, stored.size)
+
+
+def _checked_filters(dataset: Any) -> list[int]:
+    """Return the filters of a data set; refuse large chunks, and filters that are not read."""
     if not dataset.chunks:
-        return
+        return []
     plan = dataset.id.get_create_plist()
     filters = [plan.get_filter(index)[0] for index in range(plan.get_nfilters())]
-    held = math.prod(dataset.chunks) * dataset.dtype.itemsize
+    held = _held(dataset)
     most = MOST_CHUNK // LZF_GROWS if LZF in filters else MOST_CHUNK
     if held > most:
         raise UnreadableNumbers(f"in chunks of {held} bytes; {most} are read at most")
@@ -157,12 +285,21 @@ def _check_chunks(dataset: Any) -> None:
         raise UnreadableNumbers(f"packed by the HDF5 filter {others[0]}; {', '.join(FILTERS.values())} are read")
     if sum(number in (DEFLATE, LZF) for number in filters) > 1 or len(set(filters)) < len(filters):
         raise UnreadableNumbers("packed more than once")
-    for index in range(dataset.id.get_num_chunks()):
-        stored = dataset.id.get_chunk_info(index)
-        if stored.size > held + held // 10 + STORED_SPARE:
-            raise UnreadableNumbers(f"in a chunk of {stored.size} bytes for {held} bytes of numbers")
-        if DEFLATE in filters:
-            _check_deflated(dataset.id.read_direct_chunk(stored.chunk_offset), filters, held)
+    return filters
+
+
+def _check_chunk(dataset: Any, filters: list[int], offset: tuple[int, ...], size: int) -> None:
+    """Refuse a chunk of ``size`` stored bytes that holds more than its numbers, as it is or unpacked."""
+    held = _held(dataset)
+    if size > held + held // 10 + STORED_SPARE:
+        raise UnreadableNumbers(f"in a chunk of {size} bytes for {held} bytes of numbers")
+    if DEFLATE in filters:
+        _check_deflated(dataset.id.read_direct_chunk(offset), filters, held)
+
+
+def _held(dataset: Any) -> int:
+    """Return the bytes of numbers of a chunk."""
+    return int(math.prod(dataset.chunks) * dataset.dtype.itemsize)
 
 
 def _check_deflated(chunk: tuple[int, bytes], filters: list[int], held: int) -> None:

@@ -1,4 +1,4 @@
-"""Refits without some trajectories: one step from the fit to all, as far as it holds."""
+"""HeldOutRefits without some trajectories: one step from the fit to all, as far as it holds."""
 
 import dataclasses
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tied_worlds import START, recorded
 
-from tactiledata.diagnose.naming.held_out import Refits, held_out
+from tactiledata.diagnose.naming.held_out import HeldOutRefits, held_out
 from tactiledata.diagnose.naming.joint_fit import joint_fit, least_cost, plain_fit
 from tactiledata.diagnose.naming.linearise import Linearised
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
@@ -35,7 +35,7 @@ def test_one_step_goes_most_of_the_way_to_a_whole_refit(world, number):
     """Without one trajectory, one step lowers the cost of the others by most of what a whole refit does."""
     white, fit = world
     out = marked(white, number)
-    moved, _ = Refits.of(white, fit).without(out)
+    moved, _ = HeldOutRefits.of(white, fit).without(out)
     start = fit.model.at(fit.model.vector, fit.model.offsets[~out])
     least = joint_fit(white.part(~out), start, rounds=30).cost
     before, after = cost_of(white, out, fit.model), cost_of(white, out, moved)
@@ -45,7 +45,7 @@ def test_one_step_goes_most_of_the_way_to_a_whole_refit(world, number):
 def test_the_residual_is_that_of_the_moved_numbers(world):
     """The residual that comes with a refit is what its numbers leave when all touches are simulated anew."""
     white, fit = world
-    moved, residual = Refits.of(white, fit).without(marked(white, 2))
+    moved, residual = HeldOutRefits.of(white, fit).without(marked(white, 2))
     assert np.allclose(residual, Linearised(white, frozenset()).evaluate(moved).residual)
 
 
@@ -54,7 +54,7 @@ def test_a_step_that_goes_too_far_is_halved(world, times):
     """However far the first step goes, the trajectories that are fitted do not get worse by it."""
     white, fit = world
     out = marked(white, 1, 4)
-    right = Refits.of(white, fit)
+    right = HeldOutRefits.of(white, fit)
     wrong = dataclasses.replace(right, grams=right.grams / times, gradients=right.gradients + 1.0)
     before = cost_of(white, out, fit.model)
     whole = fit.model.at(fit.model.vector + wrong._change_without(out), fit.model.offsets)
@@ -66,9 +66,9 @@ def test_held_out_costs_do_not_run_away(world, monkeypatch):
     """With a linearisation that promises too much, held-out trajectories cost about what they do with the right one."""
     white, fit = world
     right = held_out(white, fit)
-    refits = Refits.of(white, fit)
+    refits = HeldOutRefits.of(white, fit)
     wrong = dataclasses.replace(refits, gradients=1e3 * refits.gradients)
-    monkeypatch.setattr(Refits, "of", staticmethod(lambda *_: wrong))
+    monkeypatch.setattr(HeldOutRefits, "of", staticmethod(lambda *_: wrong))
     found = held_out(white, fit)
     assert found.by_trajectory.sum() < 1.5 * right.by_trajectory.sum()
     assert found.by_indenter.sum() < 1.5 * right.by_indenter.sum()
