@@ -42,10 +42,16 @@ class Change:
 
     @property
     def words(self) -> str:
-        """A clause such as ``"E falls by 11 ± 2 %"``; it has no number where the interval exceeds the value of E."""
+        """A clause such as ``"E falls by 11 ± 2 %"``.
+
+        It has no number where the interval exceeds the value of E, or where E would have to fall below 0.
+        """
+        name = self.parameter.name
         if self._is_uncertain:
-            return f"{self.parameter.name} changes by an amount that these data do not determine"
-        return signed_change(self.parameter.name, *self._displayed)
+            return f"{name} changes by an amount that these data do not determine"
+        if self.is_relative and self.value <= -abs(self.parameter.value):
+            return f"{name} falls by more than all of its value"
+        return signed_change(name, *self._displayed)
 
     @property
     def offset_words(self) -> str:
