@@ -160,7 +160,7 @@ def test_a_share_that_is_not_known_to_its_own_size_is_no_number():
         assert "these data" in words
     assert Change(scale, 0.11, 0.02).words == "the scale of fz rises by 11 ± 2 %"
     # a modulus or a friction cannot fall by more than all of it
-    assert Change(scale, -0.99, 0.3).words == "the scale of fz falls by 99 ± 30 %"
+    assert Change(scale, -0.8, 0.3).words == "the scale of fz falls by 80 ± 30 %"
     assert Change(scale, -1.4, 0.4).words == "the scale of fz falls by more than all of its value"
     assert Change(scale, 1.4, 0.4).words == "the scale of fz rises by 140 ± 40 %"
 
