@@ -104,6 +104,7 @@ def inspect(
         False, "--suggest-mapping", help="Print a draft of one mapping file for all recordings of PATH."
     ),
     mapping: Path = typer.Option(None, "--mapping", help="Read the recording by this mapping file."),
+    format_name: str = typer.Option(None, "--format", help="Read the recordings as this format, without detection."),
     as_json: bool = JSON_OPTION,
 ) -> None:
     """Show what is in a log, and what ingest would say of it.
@@ -116,7 +117,7 @@ def inspect(
     from tactiledata.ingest.sources.discover import find_sources, unclaimed_findings
     from tactiledata.ingest.sources.preview import NOT_CHECKED
 
-    sources, unclaimed = find_sources([path])
+    sources, unclaimed = find_sources([path], format_name)
     document = mapping_document(mapping)
     previews, failed = _previews(sources, document)
     inspections = [item.inspection for item in previews]

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from tactiledata.contract.schema import check_document
-from tactiledata.errors import BrokenLog, SchemaError, UnsafeContent
+from tactiledata.errors import BrokenLog, MissingFile, SchemaError, UnsafeContent, UsageError
 from tactiledata.formats import FORMATS
 from tactiledata.formats.hdf5.arrays import FoundArray
 from tactiledata.formats.hdf5.hdf5 import Hdf5Format
@@ -248,6 +248,36 @@ def test_files_of_other_kinds_are_not_claimed(tmp_path, made):
     assert not FORMAT.sniff(tmp_path / "not.h5")
     across = across_hdf5.write(tmp_path / "sim", np.random.default_rng(0), trials=1) / "results_digit_job_7.hdf5"
     assert next(name for name in FORMATS if FORMATS[name]().sniff(across)) == "across_hdf5"
+
+
+def test_any_hdf5_file_is_taken_where_this_format_is_asked_for(tmp_path, capsys):
+    """Times of any name are named by a mapping; without being asked for, such a file is left, with a word on how."""
+    path = write(tmp_path / "own.h5", {"when": STAMPS, "force": np.random.default_rng(0).normal(size=(40, 6))})
+    code, _, said = run_command(capsys, "inspect", path)
+    assert code != 0
+    assert "docs/formats-hdf5.md" in said
+    code, out, _ = run_command(capsys, "inspect", path, "--format", "hdf5")
+    assert code == 0
+    assert "when" in out
+    mapping = tmp_path / "mapping.yaml"
+    signals = {"wrench": {"topic": "force", "time": "when"}}
+    mapping.write_text(yaml.safe_dump({"format": "tactiledata-mapping/1", "signals": signals}))
+    words = ("--store", tmp_path / "out.zarr", "--mapping", mapping, "--format", "hdf5")
+    code, out, _ = run_command(capsys, "ingest", path, *words)
+    assert "1 recording added" in out, out
+    for other in (tmp_path / "none.h5", tmp_path):
+        with pytest.raises((MissingFile, UsageError)):
+            FORMAT.sources(other)
+
+
+def test_grey_pictures_are_said_not_to_be_read(tmp_path):
+    """Pictures without colours are listed with what would be read."""
+    grey = np.zeros((5, 6, 8), np.uint8)
+    path = write(tmp_path / "grey.h5", {"time": np.arange(5.0), "force": np.zeros((5, 6)), "grey": grey})
+    [source] = FORMAT.sources(path)
+    notes = {topic.name: topic.note for topic in FORMAT.inspect(source).topics}
+    assert "grey are not read" in notes["grey"]
+    assert notes["force"] == "times in time"
 
 
 def test_nothing_outside_the_file_is_read(made, tmp_path):

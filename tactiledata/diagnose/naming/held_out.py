@@ -137,7 +137,7 @@ class HeldOutRefits:
         return bounded_change(gram, self.gradients[~out].sum(axis=0) - prior, *step_bounds(fit.model))
 
     def _cost_of_fitted(self, out: Mask, model: JointModel, residual: Array) -> float:
-        """Return the cost of a model with this residual (N, 6), without trajectories in ``out``, offsets marginalised."""
+        """Return the cost of a model with this residual (N, 6), without trajectories in ``out``, without offsets."""
         fit = self.fit
         pulled = residual + fit.own * fit.by_row
         own = np.add.reduceat((fit.own * pulled).sum(axis=1), fit.starts)

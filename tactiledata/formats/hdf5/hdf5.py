@@ -50,9 +50,8 @@ class Hdf5Format(CorpusFormat):
         if path.suffix.lower() not in SUFFIXES or not path.is_file():
             return False
         try:
-            with path.open("rb") as stream:
-                if stream.read(len(MAGIC)) != MAGIC:
-                    return False
+            if not _is_hdf5(path):
+                return False
             with open_hdf5(path) as members:
                 return bool(streams_of(arrays_of(members)))
         except UnsafeContent:  # ours to refuse, with the reason
@@ -61,8 +60,9 @@ class Hdf5Format(CorpusFormat):
             return False
 
     def sources(self, path: Path) -> Sequence[Source]:
-        """The file is one recording."""
-        self.require(path)
+        """The file is one recording; where this format is asked for, any HDF5 file: a mapping names its times."""
+        if not (path.is_file() and _is_hdf5(path)):
+            self.require(path)
         return [self.make_source(path, path, [path])]
 
     def record(self, source: Source, intake: Intake, mapping: Mapping[str, Any] | None) -> Recording:
@@ -139,8 +139,10 @@ class Hdf5Format(CorpusFormat):
         times = {one.path: time for one, time in streams_of(arrays)}
         topics = []
         for one in arrays:
-            beside = f"times in {times[one.path].path}" if one.path in times else ""
-            note = "times" if one.is_time else beside
+            note = f"times in {times[one.path].path}" if one.path in times else ""
+            note = "times" if one.is_time else note
+            if one.dtype == "uint8" and len(one.shape) == 3:
+                note = "pictures in grey are not read: (n, height, width, 3) are"
             shape = " x ".join(str(size) for size in one.shape) or "one value"
             topics.append(TopicInfo(one.path, f"{one.dtype}, {shape}", "hdf5", one.rows, note=note))
         facts = {"arrays": len(arrays), "to read it": "needs a mapping: --suggest-mapping drafts one"}
@@ -187,6 +189,12 @@ class Hdf5Format(CorpusFormat):
         if unread:
             text = f"arrays that no entry of the mapping names are not read: {listed(unread, MOST_NAMED)}"
             intake.note("topics-not-read", "info", text, count=len(unread))
+
+
+def _is_hdf5(path: Path) -> bool:
+    """Whether a file begins as an HDF5 file does."""
+    with path.open("rb") as stream:
+        return stream.read(len(MAGIC)) == MAGIC
 
 
 def _refuse_keys(mapping: Mapping[str, Any]) -> None:

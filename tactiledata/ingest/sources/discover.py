@@ -127,8 +127,9 @@ def _no_recording(path: Path, left: Sequence[Path]) -> TactileDataError:
     return BrokenLog(
         f"{path} is not a recording in a known format{depth}",
         f"one of: {', '.join(FORMATS)}",
-        "`tactiledata formats` shows how each lies on disk. Data in a form of your own (tables, HDF5, NumPy files) are "
-        "read once they are written as a folder log, which takes some lines of Python: docs/formats-folder.md.",
+        "`tactiledata formats` shows how each lies on disk. Tables of your own are read as a folder log "
+        "(docs/formats-folder.md), HDF5 files by a mapping, NumPy files once they are written as one "
+        "(docs/formats-hdf5.md).",
         path=str(path),
     )
 
