@@ -2,7 +2,6 @@
 
     python benchmarks/locating_worlds.py [--quick] [--mounts M] [--count K] [--only EFFECT ...] [--nulls L]
                                          [--bank FOLDER] [--out FILE.jsonl]
-    python benchmarks/locating_worlds.py --errors L [--quick] [--mounts M] [--bank FOLDER]
 
 The worlds are those of benchmarks/naming_worlds.py. The *axis*, normal to the surface (fz) or along it (shear, and
 torques, in which shear shows best), is right where one that certain findings name holds the most of the hidden change,
@@ -11,8 +10,7 @@ axis that holds most of its own energy, a drift of E, nu or the contact offset a
 the zeros, where that is hidden, as what it moves. *Where* is right if a certain finding names a covariate, a phase or
 an event, or the zeros follow what, `SHOWS_IN` has, as physics says and before anything was run; how many names are told
 altogether says how much that is worth. Worlds that hide nothing are the control: locators should find no structure
-there. With ``--errors`` such worlds, others than the control, tell how contrasts scatter by the simulation's own
-errors.
+there. The cases of sealed proofs are asked about by `proof_located`.
 """
 
 from __future__ import annotations
@@ -29,20 +27,11 @@ from naming_asked import Asked, asked_cases
 from naming_worlds import Bench
 from numpy.typing import NDArray
 
-from tactiledata.diagnose.locate.contrasts import Sizes, instruments_of, sizes_of
 from tactiledata.diagnose.locate.locate import LEVEL, LocatorResults
 from tactiledata.diagnose.naming.joint_fit import plain_fit
 from tactiledata.diagnose.naming.options import NamingOptions
-from tactiledata.diagnose.residuals.projection import project
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
-from tactiledata.diagnose.unseen.touch_residuals import (
-    COMPONENTS,
-    OF_THE_GEL,
-    case_noise,
-    case_residuals,
-    locate_touches,
-    scatter_beyond_noise,
-)
+from tactiledata.diagnose.unseen.touch_residuals import COMPONENTS, locate_touches
 from tactiledata.diagnose.zeros.causes import zero_causes
 from tactiledata.prove.cases.kinds import LEAST_SIGNAL
 from tactiledata.prove.worlds.plan import WorldPlan
@@ -87,12 +76,8 @@ SHOWS_IN: Mapping[str, set[str]] = {
 ALONG = ("fx", "fy", "tx", "ty", "tz", "shear along the slide", "torque of shear along the slide")
 AXES = {"fz": "normal"} | dict.fromkeys(ALONG, "along")
 OF_PARAMETER = {"E": "normal", "nu": "normal", "mu": "along", "contact offset": "normal"}
-ALIKE = {"fy": "fx", "ty": "tx"}
-"""Components whose errors are taken to be the same: trajectories slide to all sides."""
 NEARLY_MOST = 0.45
 """Of a hidden change, with which an axis is not a wrong one."""
-ERRORS_FROM = 6000
-"""First seed of the worlds that tell the simulation's own errors."""
 
 
 def axes_of(change: Array, weighed: Array) -> dict[str, float]:
@@ -157,25 +142,6 @@ def _axis(shares: Mapping[str, float]) -> str:
 def _known(located: LocatorResults) -> list[str]:
     residuals = located.projection.residuals
     return [name for name in (*residuals.covariates, *residuals.labels) if len(name) > 1]
-
-
-def errors_of(bench: Bench, count: int) -> str:
-    """How contrasts scatter in worlds that hide nothing beyond their noise, and their largest value with that."""
-    found: dict[str, list[Sizes]] = {}
-    for number in range(count):
-        recorded = bench.maker.recorded(ERRORS_FROM + number, bench.gel(ERRORS_FROM + number), [])
-        white = WhitenedTouches.of(bench.maker.cases(recorded, bench.family), NamingOptions().errors)
-        base = plain_fit(white, START)
-        residuals, inflation = case_residuals(white, base), case_noise(white, base).inflation or 1.0
-        for one in sizes_of(project(residuals), instruments_of(residuals), OF_THE_GEL, inflation):
-            found.setdefault(ALIKE.get(one.what, one.what), []).append(one)
-    lines = []
-    for what, each in found.items():
-        size, variance = (np.concatenate([getattr(one, name) for one in each]) for name in ("size", "variance"))
-        error = scatter_beyond_noise(size, variance)
-        largest = float((np.abs(size) / np.sqrt(variance + error**2)).max())
-        lines.append(f"{what}: {error:.2g}; the largest of {len(size)} is {largest:.1f} times what is usual")
-    return "\n".join(lines)
 
 
 def run(bench: Bench, asked: Asked) -> dict[str, Any]:
@@ -256,14 +222,9 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=1)
     parser.add_argument("--only", nargs="*", default=list(SHOWS_IN), help="of the rig's effects")
     parser.add_argument("--nulls", type=int, default=10)
-    parser.add_argument("--errors", type=int, help="measure the simulation's own errors in so many worlds instead")
     parser.add_argument("--out", type=Path)
     parser.add_argument("--bank", type=Path, default=Path(tempfile.gettempdir()) / "tactiledata-rig-bank")
     options = parser.parse_args()
-    if options.errors:
-        bench = Bench.of(WorldPlan(0, options.quick, options.mounts), options.bank, with_variants=False)
-        print(errors_of(bench, options.errors))
-        return
     only = ["frame_rotation"] if options.quick else options.only
     cases = [one for one in asked_cases(("effects",), options.count, "medium") if one.effects[0] in only]
     cases += asked_cases(("nulls",), 1 if options.quick else options.nulls, "none")

@@ -1,13 +1,17 @@
 """Where the worlds of a sealed proof differ from their simulation: what locators say without a catalogue.
 
     python benchmarks/proof_located.py PROOF [PROOF ...] [--json FILE]
+    python benchmarks/proof_located.py PROOF [PROOF ...] --errors
 
 A PROOF is a folder that `tactiledata prove --out` made and answered; the plays of its plans are kept where that
 command keeps them. The plain simulation is fitted to the readings of each case, and the locators tell certain findings
 in what it leaves. *Where* is right if a covariate, a phase, an event or a cause of the zeros is told that
 `locating_worlds.SHOWS_IN` has for the hidden effect, as physics says and before anything was run. Beside it stands the
 share of all other effects of that table of which the same words would have been right: words that fit everything tell
-nothing. Worlds that hide nothing are the control. They have structure as well where another solver's errors leave it.
+nothing. Worlds that hide nothing are the control.
+
+With ``--errors`` the worlds that hide nothing tell how contrasts scatter by errors of the simulation, beyond noise:
+the numbers of `touch_residuals.OF_THE_GEL`.
 """
 
 from __future__ import annotations
@@ -20,12 +24,23 @@ from typing import Any
 
 import numpy as np
 from locating_worlds import SHOWS_IN, told
+from numpy.typing import NDArray
 from timing import table
 
-from tactiledata.diagnose.naming.joint_fit import plain_fit
+from tactiledata.diagnose.locate.contrasts import instruments_of, sizes_of
+from tactiledata.diagnose.naming.error_sizes import with_estimated_errors
+from tactiledata.diagnose.naming.joint_fit import JointFit, plain_fit
 from tactiledata.diagnose.naming.options import NamingOptions
+from tactiledata.diagnose.residuals.projection import project
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
-from tactiledata.diagnose.unseen.touch_residuals import locate_touches
+from tactiledata.diagnose.unseen.touch_residuals import (
+    OF_THE_GEL,
+    case_noise,
+    case_residuals,
+    contrast_units,
+    locate_touches,
+    scatter_beyond_noise,
+)
 from tactiledata.diagnose.zeros.causes import zero_causes
 from tactiledata.gel.elasticity.compliance import cache_folder
 from tactiledata.prove.cases.kinds import NULLS, VISIBLE
@@ -34,14 +49,57 @@ from tactiledata.prove.seal.verify import ScoredCase, scored_cases
 from tactiledata.prove.worlds.logs import LogReadings
 from tactiledata.prove.worlds.plan_names import named_plan
 from tactiledata.prove.worlds.played_plan import START, PlayedPlan
+from tactiledata.prove.worlds.recorder import ReadWorld
+
+Array = NDArray[np.float64]
+
+ALIKE = {"fy": "fx", "ty": "tx"}
+"""Components whose errors are taken to be the same: trajectories slide to all sides."""
+
+
+def fitted(played: PlayedPlan, proof: ProofFolder, case: ScoredCase) -> tuple[ReadWorld, WhitenedTouches, JointFit]:
+    """What is read of a case, its trajectories, and the plain fit to them, as naming makes it."""
+    readings = [LogReadings(*one) for one in read_readings(proof.case(case.name))]
+    recorded = played.maker.observed(readings)
+    white = WhitenedTouches.of(played.maker.cases(recorded, played.family), NamingOptions().errors)
+    return recorded, *with_estimated_errors(white, plain_fit(white, START))
+
+
+def contrast_sizes(white: WhitenedTouches, base: JointFit) -> dict[str, tuple[Array, Array]]:
+    """Sizes of all contrasts and their variances by noise, by what differs, in the units of errors of a simulation."""
+    residuals, inflation = case_residuals(white, base), case_noise(white, base).inflation or 1.0
+    units = contrast_units(white, base)
+    found: dict[str, tuple[Array, Array]] = {}
+    for one in sizes_of(project(residuals), instruments_of(residuals), OF_THE_GEL, inflation):
+        found[one.what] = (one.size / units[one.what], one.variance / units[one.what] ** 2)
+    return found
+
+
+def print_errors(found: Sequence[Mapping[str, tuple[Array, Array]]]) -> None:
+    """Print by how much contrasts of each kind scatter beyond noise in a world: in the median, in 90 %, at most.
+
+    The last column is the largest contrast of a world in standard deviations, noise and the 90 % together.
+    """
+    rows = []
+    for what in OF_THE_GEL:
+        same = [name for name in OF_THE_GEL if ALIKE.get(name, name) == ALIKE.get(what, what)]
+        worlds = []
+        for one in found:
+            if listed := [one[name] for name in same if name in one]:
+                worlds.append(tuple(np.concatenate(column) for column in zip(*listed, strict=True)))
+        if not worlds:
+            continue
+        errors = [scatter_beyond_noise(*world) for world in worlds]
+        usual = float(np.quantile(errors, 0.9))
+        largest = max(float((np.abs(s) / np.sqrt(v + usual**2)).max()) for s, v in worlds)
+        rows.append((what, f"{np.median(errors):.2g}", f"{usual:.2g}", f"{max(errors):.2g}", f"{largest:.1f}"))
+    table(("contrasts of", "median", "90 %", "most", "largest contrast"), rows)
 
 
 def located(played: PlayedPlan, proof: ProofFolder, case: ScoredCase) -> dict[str, Any]:
     """What the locators tell of a case, and whether it is right."""
-    readings = [LogReadings(*one) for one in read_readings(proof.case(case.name))]
-    recorded = played.maker.observed(readings)
-    white = WhitenedTouches.of(played.maker.cases(recorded, played.family), NamingOptions().errors)
-    found = locate_touches(white, plain_fit(white, START))
+    recorded, white, base = fitted(played, proof, case)
+    found = locate_touches(white, base)
     where = told(found)[1]
     causes = zero_causes(recorded.zeros, band=recorded.dead_band)
     where |= {f"zeros: {cause.effect}" for cause in causes if cause.matters}
@@ -76,9 +134,9 @@ def print_tables(found: Sequence[Mapping[str, Any]]) -> None:
             f"{sum(one['is_structured'] for one in mine)} of {len(mine)}",
             f"{sum(one['is_right'] for one in mine)} of {len(mine)}",
             f"{sum(one['by_chance'] for one in mine):.1f}",
-            f"{sum(one['is_structured'] for one in nulls)} of {len(nulls)}",
+            f"{sum(bool(one['told']) for one in nulls)} of {len(nulls)}",
         ))  # fmt: skip
-    table(("generator", "structure", "where right", "by chance", "structure in nulls"), sums)
+    table(("generator", "structure", "where right", "by chance", "words in nulls"), sums)
 
 
 def main() -> None:
@@ -86,19 +144,28 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("proofs", type=Path, nargs="+")
     parser.add_argument("--json", type=Path)
+    parser.add_argument("--errors", action="store_true", help="measure what errors of the simulation bring instead")
     asked = parser.parse_args()
     plans: dict[str, PlayedPlan] = {}
-    found = []
+    found: list[Any] = []
     for folder in asked.proofs:
         proof = ProofFolder(folder)
         for case in scored_cases(proof):
+            if case.kind != NULLS and asked.errors:
+                continue
             if case.kind != NULLS and not (case.kind == VISIBLE and case.hidden in SHOWS_IN):
                 continue
             name = case.configuration.split()[1]
             if name not in plans:
                 plans[name] = PlayedPlan.of(named_plan(name), cache_folder() / "generators", with_variants=False)
+            if asked.errors:
+                found.append(contrast_sizes(*fitted(plans[name], proof, case)[1:]))
+                continue
             found.append(located(plans[name], proof, case))
             print(f"{case.name}: {' '.join(found[-1]['sentences'])}", flush=True)
+    if asked.errors:
+        print_errors(found)
+        return
     print_tables(found)
     if asked.json:
         asked.json.write_text(json.dumps(found, indent=1) + "\n")

@@ -1,6 +1,8 @@
 """Where locators say that sealed worlds differ: how their words are counted."""
 
-from proof_located import print_tables
+import numpy as np
+import pytest
+from proof_located import print_errors, print_tables
 
 
 def case(kind, hidden, told, by_chance=0.25, is_structured=True, generator="layer"):
@@ -12,7 +14,7 @@ def case(kind, hidden, told, by_chance=0.25, is_structured=True, generator="laye
 
 
 def test_right_words_are_counted_beside_what_chance_would_give(capsys):
-    """Of two lags one is located; chance would locate half of one; a null without structure is counted as such."""
+    """Of two lags one is located; chance would locate half of one; a null of which nothing is told is counted."""
     print_tables([
         case("visible", "lag", ["indenter", "loading rate"]),
         case("visible", "lag", ["indenter"]),
@@ -25,3 +27,14 @@ def test_right_words_are_counted_beside_what_chance_would_give(capsys):
     assert ["layer", "lag", "-", "1", "0.25"] in lines
     assert ["layer", "2", "of", "2", "1", "of", "2", "0.5", "1", "of", "2"] in lines
     assert ["analytic", "0", "of", "0", "0", "of", "0", "0.0", "0", "of", "1"] in lines
+
+
+def test_errors_of_a_simulation_are_those_of_nine_of_ten_worlds(capsys):
+    """Contrasts scatter by 0 in nine worlds and by 3 in one, beyond noise of 1: the median is 0, the most is 3."""
+    rng = np.random.default_rng(0)
+    quiet = [{"E": (rng.normal(size=400) * 0.5, np.ones(400))} for _ in range(19)]
+    loud = {"E": (rng.normal(size=4000) * np.sqrt(10.0), np.ones(4000))}
+    print_errors([*quiet, loud])
+    row = next(line.split() for line in capsys.readouterr().out.splitlines() if line.startswith("E "))
+    assert row[1:3] == ["0", "0"]
+    assert float(row[3]) == pytest.approx(3.0, abs=0.15)

@@ -14,9 +14,12 @@ from tactiledata.diagnose.residuals.projection import project
 from tactiledata.diagnose.touches.covariates import phases
 from tactiledata.diagnose.touches.touch_case import TouchSet
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
+from tactiledata.diagnose.unseen import touch_residuals
 from tactiledata.diagnose.unseen.touch_residuals import (
+    OF_THE_GEL,
     case_noise,
     case_residuals,
+    contrast_units,
     locate_touches,
     signature_fields,
     slide_ways,
@@ -90,6 +93,30 @@ def test_the_unit_is_the_noise(quiet):
     projection = project(case_residuals(white, fit))
     assert 0.6 < (projection.left * projection.score).mean() < 1.1
     assert case_noise(white, fit).correlation == pytest.approx(0.4)
+
+
+def test_errors_of_the_simulation_do_not_shrink_with_the_noise(quiet, monkeypatch):
+    """Where the noise is half as large, errors of the simulation are twice as many times the noise; E errs as before.
+
+    Errors of twice the usual size are twice as large in every contrast.
+    """
+    white, fit = quiet
+    usual = contrast_units(white, fit)
+    finer = [
+        dataclasses.replace(case, noise=dataclasses.replace(case.noise, covariance=case.noise.covariance / 4.0))
+        for case in white.touch_set.touches
+    ]
+    quieter = dataclasses.replace(white, touch_set=dataclasses.replace(white.touch_set, touches=finer))
+    monkeypatch.setattr(touch_residuals, "estimated_sizes", lambda *_: {("law", ""): 1.0})
+    one, half = contrast_units(white, fit), contrast_units(quieter, fit)
+    assert set(one) == set(OF_THE_GEL)
+    for name in ("fx", "fz", "tz", "shear along the slide", "torque of shear along the slide"):
+        assert half[name] == pytest.approx(2.0 * one[name]), name
+        assert one[name] > 1.0
+    assert half["E"] == one["E"] == one["contact offset"] == 1.0
+    monkeypatch.setattr(touch_residuals, "estimated_sizes", lambda *_: {("law", ""): 2.0, ("shape", "ball"): 2.0})
+    assert contrast_units(white, fit) == {name: pytest.approx(2.0 * value) for name, value in one.items()}
+    assert usual["E"] != 2.0
 
 
 def test_a_modulus_of_all_indenters_is_no_question(quiet):
