@@ -98,7 +98,7 @@ class UnknownName(UsageError, KeyError):
 
     def __init__(self, kind: str, name: str, known: Iterable[str], remedy: str = "") -> None:
         choices = sorted(set(known))
-        near = difflib.get_close_matches(name, choices, n=3, cutoff=0.4)
+        near = _nearest(name, choices)
         listed = ", ".join(choices) if choices else "none"
         hint = f"Did you mean {' or '.join(near)}?" if near else ""
         super().__init__(
@@ -110,6 +110,13 @@ class UnknownName(UsageError, KeyError):
             known=choices,
             near=near,
         )
+
+
+def _nearest(name: str, choices: list[str]) -> list[str]:
+    """The choices that a name resembles: at most three, none much less alike than the first."""
+    near = difflib.get_close_matches(name, choices, n=3, cutoff=0.4)
+    alike = [difflib.SequenceMatcher(None, choice, name).ratio() for choice in near]
+    return [choice for choice, ratio in zip(near, alike, strict=True) if ratio > alike[0] - 0.2]
 
 
 class MissingSplit(UsageError, KeyError):

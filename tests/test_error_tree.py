@@ -90,6 +90,13 @@ def test_an_unknown_name_lists_near_ones():
     assert "one of: S1, S2." in str(UnknownName("sensor", "nope", ["S2", "S1", "S1"]))
 
 
+def test_a_proposal_leaves_out_what_is_much_less_alike():
+    """One letter too many proposes that one name; two names that are equally near are both proposed."""
+    formats = ["huggingface", "lerobot", "mcap", "robomimic", "webdataset"]
+    assert UnknownName("format", "lerobott", formats).facts["near"] == ["lerobot"]
+    assert UnknownName("sensor", "D2001", ["D20001", "D20011", "ball"]).facts["near"] == ["D20011", "D20001"]
+
+
 @given(st.text(), st.text(), st.text(), st.dictionaries(st.text(min_size=1).map(lambda t: f"k{t}"), st.integers()))
 def test_any_texts_make_an_error(found, expected, remedy, facts):
     """Whatever the texts hold, the error has a text and travels."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import json
 import re
 from collections.abc import Mapping
@@ -16,6 +17,7 @@ import jsonschema
 import yaml
 
 from tactiledata.contract.lfs_pointer import refuse_lfs_pointer
+from tactiledata.contract.wording import counted, listed
 from tactiledata.errors import MissingFile, SchemaError
 
 MAX_DOCUMENT_BYTES = 64 * 2**20
@@ -99,12 +101,35 @@ def _path(fault: jsonschema.ValidationError) -> str:
 
 
 def _words(fault: jsonschema.ValidationError) -> str:
-    """What a fault says: the schema's own ``refusal`` of a value that it excludes, else the checker's sentence."""
-    if fault.validator in ("not", "pattern") and isinstance(fault.schema, Mapping) and "refusal" in fault.schema:
-        return f"{fault.instance!r} {fault.schema['refusal']}"
-    if fault.validator == "type" and fault.validator_value == "object":
+    """What a fault says: the schema's own ``refusal`` of a value that it excludes, else what is expected."""
+    schema: Any = fault.schema
+    asked: Any = fault.validator_value
+    given: Any = fault.instance
+    if fault.validator in ("not", "pattern") and isinstance(schema, Mapping) and "refusal" in schema:
+        return f"{given!r} {schema['refusal']}"
+    if fault.validator == "type" and asked == "object":
         return f"{fault.message}, which means keys with values (key: value)"
+    if fault.validator == "additionalProperties" and asked is False:
+        return _unknown_keys(given, sorted(schema.get("properties", {})))
+    if fault.validator == "required":
+        name = next(name for name in asked if fault.message.startswith(repr(name)))
+        const = schema.get("properties", {}).get(name, {}).get("const")
+        return f"the key {name!r} is missing" + (f"; write {name}: {const}" if isinstance(const, str) else "")
+    if fault.validator in ("minItems", "maxItems"):
+        exact = schema.get("minItems") == schema.get("maxItems")
+        side = "" if exact else "at least " if fault.validator == "minItems" else "at most "
+        return f"the list has {counted(len(given), 'entry')}; expected {side}{asked}"
     return fault.message
+
+
+def _unknown_keys(given: Mapping[Any, Any], known: list[str]) -> str:
+    """Which keys a schema does not have, the nearest that it has, and all of them."""
+    unknown = [key for key in given if key not in known]
+    near = [hit for key in unknown for hit in difflib.get_close_matches(str(key), known, n=1)]
+    meant = f" (did you mean {' and '.join(dict.fromkeys(near))}?)" if near else ""
+    return (
+        f"the key {listed([repr(key) for key in unknown], 5)} is not known{meant}; expected one of: {listed(known, 30)}"
+    )
 
 
 def _short(message: str, limit: int = 300) -> str:
@@ -150,8 +175,9 @@ def parse_document(text: str, where: str) -> Any:
         _check_shape(text, where)
         return yaml.load(text, Loader=_StrictLoader)
     except (yaml.YAMLError, UnicodeEncodeError) as error:
+        told = str(error).replace('in "<unicode string>", line', "at line")  # the library's name of a text without one
         raise SchemaError(
-            f"{where} is not valid YAML: {_short(' '.join(str(error).split()))}",
+            f"{where} is not valid YAML: {_short(' '.join(told.split()))}",
             "YAML or JSON",
             "Mend the line that the message names.",
             path="$",

@@ -1,6 +1,7 @@
 """Documents from strangers: every fault is a SchemaError with its place, and none exhausts time or memory."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -42,6 +43,39 @@ def test_a_text_in_place_of_keys_is_explained():
     """What a schema calls an object is said in words: whoever writes YAML by hand knows keys and values."""
     with pytest.raises(SchemaError, match=r"'x' is not of type 'object', which means keys with values"):
         check_document("x", "log", "log.yaml")
+
+
+@pytest.mark.parametrize(
+    ("document", "schema", "said"),
+    [
+        ({"topics": {}}, "mapping", "the key 'format' is missing; write format: tactiledata-mapping/1;"),
+        (
+            {"format": "tactiledata-mapping/1", "topics": {}},
+            "mapping",
+            "'topics' is not known; expected one of: clock, ",
+        ),
+        ({**GOOD, "units": {"wrensh": []}}, "log", "'wrensh' is not known (did you mean wrench?); expected one of: j"),
+        ({**GOOD, "sensors": {"D20542": {}}}, "log", "at $.sensors.D20542: the key 'model' is missing."),
+        ({**GOOD, "units": {"wrench": ["N"]}}, "log", "at $.units.wrench: the list has 1 entry; expected 6."),
+        (
+            {"format": "tactiledata-mapping/1", "signals": {"wrench": {"topic": "/a", "fields": []}}},
+            "mapping",
+            "at $.signals.wrench.fields: the list has 0 entries; expected at least 1.",
+        ),
+    ],
+)
+def test_a_fault_says_what_is_expected(document, schema, said):
+    """Whoever mistypes a key or writes too few units is told which keys there are, and how many units."""
+    with pytest.raises(SchemaError, match=re.escape(said)):
+        check_document(document, schema, "x.yaml")
+
+
+@pytest.mark.parametrize("text", ["{", "a: b: c", "a: [1, 2"])
+def test_a_line_that_is_no_yaml_is_named_without_a_name_of_the_library(text):
+    """The message has the line and the column, and does not call the file an unknown string."""
+    with pytest.raises(SchemaError, match=r"x.yaml is not valid YAML: .* at line \d, column \d") as caught:
+        parse_document(text, "x.yaml")
+    assert "unicode string" not in str(caught.value)
 
 
 def test_many_faults_are_counted_and_cut():
