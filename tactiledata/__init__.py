@@ -17,8 +17,7 @@ mujoco: what stands behind a name is imported when the name is first used.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+TYPE_CHECKING = False  # as checkers of types know it; the module of that name would take time in which Ctrl-C is loud
 if TYPE_CHECKING:
     from tactiledata.calibrate.calibrate import calibrate as calibrate_store
     from tactiledata.diagnose.naming.identifiability import identifiability

@@ -138,8 +138,10 @@ def inspect(
             _print_preview(item)
         for key, reason in failed.items():
             say(f"{key}: cannot be read: {reason}")
-        say_left_alone(map(str, left))
         is_one = len(sources) == 1
+        if not is_one:
+            _print_summary(previews, failed)
+        say_left_alone(map(str, left))
         of_sources = ((item.source.key, finding) for item in inspections for finding in item.findings)
         findings([*(("" if is_one else key, finding) for key, finding in of_sources), *(("", item) for item in said)])
         say(NOT_CHECKED)
@@ -225,11 +227,28 @@ def _print_preview(item: Any) -> None:
         say(f"  ingest would make: {made}, status {item.status}")
 
 
+_FACTS = {"trajectories": "trajectories stated"}
+"""Names of facts for people, where the machine's name says too little."""
+
+
+def _print_summary(previews: list[Any], failed: Mapping[str, str]) -> None:
+    """Print a line for each of several sources, behind all that was printed of each: what ingest would make of it."""
+    rows: list[tuple[Any, ...]] = []
+    for item in previews:
+        source, facts, take = item.inspection.source, item.inspection.facts, item.take
+        start, end = facts.get("start_ns"), facts.get("end_ns")
+        lasts = "-" if start is None or end is None else f"{(end - start) / 1e9:.1f}"
+        made = ("-", "-") if take is None else (take.trajectories.num_rows, take.frames.num_rows)
+        rows.append((source.key, source.format, lasts, *made, item.status or "would not be read"))
+    rows += [(key, "-", "-", "-", "-", "cannot be read") for key in failed]
+    table("", ("recording", "format", "duration, s", "trajectories", "frames", "status at ingest"), rows)
+
+
 def _fact_lines(facts: Mapping[str, Any]) -> Iterator[str]:
     """Yield facts of a recording as lines: lists without brackets, how long it lasts, nothing of what is empty."""
     for name, value in facts.items():
         if value not in ("", None, []):
-            yield f"{name}: {', '.join(value) if isinstance(value, list) else value}"
+            yield f"{_FACTS.get(name, name)}: {', '.join(value) if isinstance(value, list) else value}"
     start, end = facts.get("start_ns"), facts.get("end_ns")
     if start is not None and end is not None:
         yield f"duration: {(end - start) / 1e9:.1f} s"

@@ -98,7 +98,8 @@ def _print(report: Any) -> None:
     # counts, and what to do next
     counts = {state: sum(source.state == state for source in report.sources) for state in ("added", "replaced")}
     replaced = f", {counts['replaced']} replaced in it" if counts["replaced"] else ""
-    say(f"{counted(counts['added'], 'recording')} added to {report.store}{replaced}")
+    added = counted(counts["added"], "recording") if report.changed or not report.fell_short else "no recording was"
+    say(f"{added} added to {report.store}{replaced}")
     if report.simulated.sentence:
         say(report.simulated.sentence)
     if report.changed:

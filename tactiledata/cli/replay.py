@@ -70,14 +70,7 @@ def replay(
     Example: tactiledata replay ds.zarr --calibration calibration.json --workers 2
     """
     need_packages("a replay", *GEL, *PAGE)
-    from tactiledata.effects.simulate.setting import settings_of
-    from tactiledata.gel.elasticity.material import GelMaterial
-    from tactiledata.replay.attach import replay as attach
-    from tactiledata.replay.options import ReplayOptions
-    from tactiledata.replay.overview import write_replay_page
-    from tactiledata.store.read.reader import Store
-
-    # refuse wrong usage before any work
+    # refuse wrong usage before any work, and before the imports that take seconds
     for given, option, choices in (
         (resolution, "resolution", ("low", "high")),
         (fidelity, "fidelity", ("finite-strain", "linear")),
@@ -99,6 +92,13 @@ def replay(
     calibrated = {} if calibration is None else calibration_document(calibration)
     diagnosed = {} if effects is None else effects_document(effects)
     material, origins = _material(stated, diagnosed.get("material", {}), calibrated)
+    from tactiledata.effects.simulate.setting import settings_of
+    from tactiledata.gel.elasticity.material import GelMaterial
+    from tactiledata.replay.attach import replay as attach
+    from tactiledata.replay.options import ReplayOptions
+    from tactiledata.replay.overview import write_replay_page
+    from tactiledata.store.read.reader import Store
+
     options = ReplayOptions(
         material=GelMaterial(**material),
         resolution=resolution,  # type: ignore[arg-type]
@@ -156,15 +156,21 @@ def _material(
         for origin, values in sources.items():
             if name not in material and (value := values.get(name)) is not None:
                 material[name], origins[name] = float(value), origin
-    missing = [f"--{name.replace('_', '-')}" for name in stated if name not in material]
+    missing = [name for name in stated if name not in material]
     if missing:
         raise UsageError(
-            f"{', '.join(missing)} {'is' if len(missing) == 1 else 'are'} not known",
-            "the gel's material",
+            f"nothing states the gel's {_in_words(missing)}",
+            "the gel's material: Young's modulus, Poisson's ratio and friction",
             "Give --calibration calibration.json (of `tactiledata calibrate`), --effects effects.json (of `tactiledata"
-            " diagnose`), or all three values.",
+            f" diagnose`), or {' '.join('--' + name.replace('_', '-') + ' …' for name in missing)}.",
         )
     return material, origins
+
+
+def _in_words(parameters: list[str]) -> str:
+    words = {"youngs_modulus": "Young's modulus", "poisson_ratio": "Poisson's ratio", "friction": "friction"}
+    *first, last = [words[name] for name in parameters]
+    return f"{', '.join(first)} and {last}" if first else last
 
 
 def _own_pad(path: Path | None, unit: str) -> Any:

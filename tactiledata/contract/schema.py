@@ -123,7 +123,7 @@ def _words(fault: jsonschema.ValidationError) -> str:
 
 
 def _unknown_keys(given: Mapping[Any, Any], known: list[str]) -> str:
-    """Which keys a schema does not have, the nearest that it has, and all of them."""
+    """Name the keys that a schema does not have, the nearest that it has, and all that it has."""
     unknown = [key for key in given if key not in known]
     near = [hit for key in unknown for hit in difflib.get_close_matches(str(key), known, n=1)]
     meant = f" (did you mean {' and '.join(dict.fromkeys(near))}?)" if near else ""

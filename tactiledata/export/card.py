@@ -98,9 +98,14 @@ def _left_out(document: Mapping[str, Any]) -> list[str]:
 
 
 def _bullets(title: str, sentences: list[str]) -> list[str]:
-    return [f"## {title}", "", *(f"- {sentence}" for sentence in sentences), ""] if sentences else []
+    return [f"## {title}", "", *(f"- {_shown(sentence)}" for sentence in sentences), ""] if sentences else []
+
+
+def _shown(text: str) -> str:
+    """Return a text so that a page shows it: what looks like a tag is a name that somebody gave."""
+    return text.replace("<", "&lt;")
 
 
 def _cell(value: str, most: int = CELL) -> str:
-    text = " ".join(value.split()).replace("|", "\\|")
-    return text if len(text) <= most else text[: most - 1] + "…"
+    text = " ".join(value.split())
+    return _shown(text if len(text) <= most else text[: most - 1] + "…").replace("|", "\\|")

@@ -116,9 +116,16 @@ def touch_findings(kept: Sequence[KeptTouch], method: str, target: str) -> Itera
         if facts.frames and not facts.is_kept:
             text = (
                 f"{method} does not keep the touches of {facts.sensor}: the lowest of strength, correlation and mask "
-                f"overlap is {facts.least:.2f}, and {LEAST_KEPT:g} is needed. `--method relit` keeps them"
+                f"overlap is {facts.least:.2f}, and {LEAST_KEPT:g} is needed. {_better(method)}"
             )
             yield Finding("touch-not-kept", "warning", text, stream=target)
+
+
+def _better(method: str) -> str:
+    """Say what to do where a method does not keep the touches; none changes them less than relit."""
+    if method != "relit":
+        return "`--method relit` keeps them"
+    return "No other method changes a touch less: compare the pictures before and after, and train on none that is lost"
 
 
 def kept_scores(store: Store, sets: Sequence[SensorSet]) -> tuple[list[PairScore], list[str]]:

@@ -102,7 +102,8 @@ def choose_held_out(trajectories: pa.Table, options: SplitOptions) -> tuple[dict
         if len(units) < MIN_UNITS:
             notes.append(
                 f"no {kind} is held out: the store has {len(units)} of them ({', '.join(units) or 'none named'}), "
-                f"and {MIN_UNITS} are needed; --hold-out {kind}=… holds some out all the same"
+                f"and {MIN_UNITS} are needed"
+                + (f"; --hold-out {kind}=… holds some out all the same" if len(units) > 1 else "")
             )
             continue
         ranked = sorted(units, key=lambda unit: draw(f"{kind}\0{unit}", options.seed, "hold-out"))

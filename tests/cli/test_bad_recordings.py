@@ -21,7 +21,7 @@ def path_that_is_not_there(bench):
     return bench.ingest(bench.folder / "nowhere.mcap")
 
 
-@case(1, "empty")
+@case(1, "empty", "no recording was added to")
 def empty_file(bench):
     bench.mcap.write_bytes(b"")
     return bench.ingest(bench.mcap)

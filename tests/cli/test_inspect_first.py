@@ -122,3 +122,17 @@ def test_inspect_says_that_ingest_would_refuse(tmp_path, capsys):
     assert "/lab/x" in out
     assert "ingest would not read it" in out
     assert run_command(capsys, "ingest", tmp_path / "own.mcap", "--store", tmp_path / "ds.zarr")[0] == 1
+
+
+def test_several_recordings_end_with_a_line_each(mixed, capsys):
+    """After many screens of streams, one table says of each recording what ingest would make of it."""
+    _, out, _ = run_command(capsys, "inspect", str(mixed))
+    lines = [" ".join(line.split()) for line in out.splitlines()]
+    head = lines.index("recording format duration, s trajectories frames status at ingest")
+    rows = {line.split()[0]: line for line in lines[head + 1 :]}
+    assert rows["cut.mcap"].endswith(" damaged")
+    assert rows["empty.mcap"].endswith("- - - - cannot be read")
+    assert rows["gap"].startswith("gap folder ")
+    _, out, _ = run_command(capsys, "inspect", str(mixed / "gap"))
+    assert "status at ingest" not in out
+    assert "trajectories stated: " in out

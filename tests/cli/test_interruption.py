@@ -3,9 +3,11 @@
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
+ROOT = Path(__file__).resolve().parents[2]
 COMMAND = """
 import os, signal, sys, time
 from tactiledata.cli import failure, main
@@ -83,3 +85,13 @@ def test_an_interruption_while_the_command_is_imported_is_quiet(raised):
     else:
         assert done.returncode == 1
         assert "Traceback" in done.stderr
+
+
+def test_the_package_loads_no_other_module_before_an_interruption_is_quiet():
+    """Until `main` runs, Ctrl-C is loud: the package itself imports nothing that takes time."""
+    program = (
+        f"import sys; sys.path.insert(0, {str(ROOT)!r}); before = set(sys.modules); import tactiledata.__main__; "
+        "print(sorted(set(sys.modules) - before - {'__future__', 'tactiledata', 'tactiledata.__main__'}))"
+    )
+    done = subprocess.run([sys.executable, "-I", "-S", "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"

@@ -1,6 +1,7 @@
 """The command `replay`: what it prints, where it points, and what it refuses."""
 
 import json
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -85,6 +86,15 @@ def test_a_calibration_gives_material_and_offsets(store, capsys):
     code, out, _ = run_command(capsys, "replay", *options, "--json")
     assert code == 2
     assert "--replace" in json.loads(out)["hint"]
+
+
+def test_a_missing_material_is_said_before_anything_is_loaded(store, capsys, monkeypatch):
+    """It names what is missing in words and as the options that state it; the gel's engine is not imported for it."""
+    monkeypatch.setitem(sys.modules, "tactiledata.replay.attach", None)
+    code, _, err = run_command(capsys, "replay", "--friction", "0.5")
+    assert code == 2
+    assert "nothing states the gel's Young's modulus and Poisson's ratio; expected" in err
+    assert "or --youngs-modulus … --poisson-ratio …." in err
 
 
 @pytest.mark.parametrize(

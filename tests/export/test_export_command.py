@@ -7,6 +7,7 @@ from command import run_command
 from copied_trees import copy_tree
 
 from tactiledata.export import EXPORTERS
+from tactiledata.export.card import card
 
 
 @pytest.fixture
@@ -88,3 +89,23 @@ def test_every_format_stands_in_the_help(capsys):
     assert code == 0
     for name in EXPORTERS:
         assert name in out
+
+
+def test_the_page_shows_names_that_look_like_tags():
+    """A reason that somebody gave for a flag is read on the page as it was written, and starts nothing there."""
+    page = card(
+        {
+            "simulated_recordings": {},
+            "split": None,
+            "provenance": {"version": "1"},
+            "store": {"digest": "0" * 64},
+            "parts": {},
+            "streams": {},
+            "left_out": {},
+            "lost": [],
+            "remarks": ["1 flagged trajectory (t<1>: <script>alert(1)</script>) went out"],
+        },
+        "pages",
+        "print()",
+    )
+    assert "(t&lt;1>: &lt;script>alert(1)&lt;/script>) went out" in page

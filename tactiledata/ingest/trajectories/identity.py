@@ -16,6 +16,9 @@ from tactiledata.ingest.trajectories.frames import CapturedFrames
 
 Say = Callable[..., None]
 
+UNKNOWN = "unknown-"
+"""How the name of a sensor begins that nobody named; a digest of the recording follows."""
+
 
 def name_sensors(
     recording: Recording,
@@ -86,7 +89,7 @@ def name_sensors(
 
 def _unknown_names(cameras: set[str], sha256: str) -> dict[str, str]:
     """A name for the sensor of each camera that nobody names, the same whenever the recording is read."""
-    name = f"unknown-{sha256[:8]}"
+    name = f"{UNKNOWN}{sha256[:8]}"
     return {camera: name if len(cameras) == 1 else f"{name}-{camera}" for camera in cameras}
 
 

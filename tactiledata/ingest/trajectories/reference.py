@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from tactiledata.contract.records import Finding, Recording
 from tactiledata.contract.take import Reference
+from tactiledata.ingest.trajectories.identity import UNKNOWN
 
 FREE_AIR = 0.2
 """N. Frames below this contact force show no contact; the paper sees no deformation below 1 N."""
@@ -56,13 +57,23 @@ def find_references(
         if found is None:
             text = (
                 f"sensor {sensor!r} has no picture without contact: none is stated, and fewer than {MIN_FRAMES} frames "
-                f"lie in free air. Add one with `tactiledata sensors add {quote(sensor)} --background FILE --store S`"
+                f"lie in free air. {_remedy(sensor)}"
             )
             say(Finding("no-background", "warning", text))
             continue
         mean, used = found
         references[sensor] = Reference(mean, f"mean of {used} frames below {FREE_AIR} N", licence, model)
     return references
+
+
+def _remedy(sensor: str) -> str:
+    """Say how the sensor gets its picture; one without a name of its own gets both at once."""
+    if sensor.startswith(UNKNOWN):
+        return (
+            "State the sensor and its picture in log.yaml, or under `description` in a mapping: "
+            "sensors: {SERIAL: {model: digit, background: FILE}}"
+        )
+    return f"Add one with `tactiledata sensors add {quote(sensor)} --background FILE --store S`"
 
 
 def _mean_image(

@@ -61,7 +61,7 @@ def test_facts_of_a_recording_are_said_in_words(tmp_path, inspected):
     """Lists have no brackets, what is empty is not said, and how long it lasts has its unit; --json keeps them all."""
     (tmp_path / "empty.png").write_bytes(encoded(picture(0)))
     printed = inspected(tmp_path)
-    assert "trajectories: 1" in printed
+    assert "trajectories stated: 1" in printed
     for absent in ("[]", "licence", "duration"):
         assert absent not in printed
     [source] = json.loads(inspected(tmp_path, "--json"))["sources"]

@@ -12,7 +12,7 @@ from split_models.transfer.methods import BUNDLED_MODEL, transfer_method
 from split_models.transfer.pixels.relight_change import light_ratio, noise_of, relit_change, without_noise
 from tactiledata.metrics.gram_style import GRAM_STYLE
 from tactiledata.metrics.kept_touch import change_of, touched
-from tactiledata.scoring.kept_touches import kept_touch, touch_findings
+from tactiledata.scoring.kept_touches import KeptTouch, kept_touch, touch_findings
 from tactiledata.sensors.backgrounds import load_background
 from tactiledata.sensors.same_sensor import is_same_sensor
 
@@ -50,6 +50,16 @@ def test_the_default_keeps_real_touches(default, samples, target):
         assert STRENGTH[0] <= kept.strength <= STRENGTH[1], kept
         assert kept.correlation >= 0.9, kept
         assert kept.overlap >= 0.75, kept
+
+
+def test_relit_itself_is_not_the_remedy_of_relit():
+    """Where relit keeps no touch, the warning proposes to look, and not the method that was just used."""
+    lost = [KeptTouch("D20001", 4, 0.1, 0.0, 0.5)]
+    (other,) = touch_findings(lost, "reinhard", "T")
+    (same,) = touch_findings(lost, "relit", "T")
+    assert "`--method relit` keeps them" in other.message
+    assert "--method relit" not in same.message
+    assert "compare the pictures before and after" in same.message
 
 
 @pytest.mark.slow
