@@ -33,7 +33,7 @@ def folder_without_recordings(bench):
     return bench.ingest(bench.folder / "nothing")
 
 
-@case(1, "not a recording", "docs/formats-folder.md")
+@case(1, "not a recording", "docs/formats-folder.md", "docs/formats-hdf5.md")
 def a_text_file(bench):
     (bench.folder / "notes.txt").write_text("pressed it a few times")
     return bench.ingest(bench.folder / "notes.txt")

@@ -212,6 +212,28 @@ def test_a_draft_reads_the_file_it_was_made_of(made):
     assert "other.h5" in FORMAT.draft([inspection, FORMAT.inspect(other)])[1]
 
 
+def test_a_draft_has_lines_for_arrays_whose_names_say_nothing(made):
+    """Uncommented, they read the file: shapes tell six columns and pictures, and a person the rest."""
+    path, arrays = made
+    write(path, {"t": STAMPS, "f": arrays["force/values"], "pics": arrays["camera/images"], "n": np.zeros((4, 6))})
+    [source] = FORMAT.sources(path)
+    draft, text = FORMAT.draft([FORMAT.inspect(source)])
+    assert draft == {"format": "tactiledata-mapping/1"}
+    lines = [line.partition("to read it: ")[2] for line in text.splitlines() if "to read it: " in line]
+    assert [line.partition(":")[0] for line in lines] == ["signals", "signals", "images"]
+    wrench, other, images = (yaml.safe_load(line) for line in lines)
+    assert wrench == {"signals": {"wrench": {"topic": "f", "time": "t", "time_unit": "ns"}}}
+    assert other["signals"]["wrench"] == {"topic": "n", "time": "REPLACE-with-path-of-times"}
+    assert images["images"]["pics"]["topic"] == "pics"
+    [(recording, _)] = read(FORMAT, path, {**draft, **wrench})
+    np.testing.assert_array_equal(recording.signals["wrench"].values, arrays["force/values"])
+    write(path, {"t": STAMPS, "force": arrays["force/values"], "where": arrays["robot/pose"]})
+    text = FORMAT.draft([FORMAT.inspect(FORMAT.sources(path)[0])])[1]
+    assert "{tcp: {topic: where, time: t, time_unit: ns, rotation: rotation_vector}}" in text
+    text = FORMAT.draft([FORMAT.inspect(FORMAT.sources(write(path, arrays, **{"robot/tcp_force": STAMPS}))[0])])[1]
+    assert "to read it" not in text
+
+
 def test_a_draft_knows_single_arrays_by_their_names(tmp_path):
     """An array for each component makes a signal with fields."""
     names = ("fx", "fy", "fz", "mx", "my", "mz")
@@ -226,14 +248,20 @@ def test_a_draft_knows_single_arrays_by_their_names(tmp_path):
     assert recording.signals["wrench"].values[0].tolist() == [0, 1, 2, 3, 4, 5]
 
 
-@pytest.mark.parametrize("name", ["time", "t_ns", "robot_timestamps", "ts", "stamp_us", "seconds"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("time", "t_ns", "robot_timestamps", "ts", "stamp_us", "seconds"),
+        *("t_img", "tcam", "timestamps_digit_2_ns", "time_force"),
+    ],
+)
 def test_times_are_known_by_their_names(name):
     """What is called time, stamp or seconds, and has a single column, holds times."""
     assert FoundArray(f"group/{name}", (9,), "float64", "numbers").is_time
     assert not FoundArray(f"group/{name}", (9, 2), "float64", "numbers").is_time
 
 
-@pytest.mark.parametrize("name", ["weights", "fts", "times_of_day_x", "contact", "state"])
+@pytest.mark.parametrize("name", ["weights", "fts", "times_of_day_x", "contact", "state", "tforward", "t_max"])
 def test_words_with_the_same_letters_are_no_times(name):
     """Words that only contain these letters say nothing of times."""
     assert not FoundArray(f"group/{name}", (9,), "float64", "numbers").is_time

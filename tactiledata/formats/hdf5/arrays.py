@@ -20,7 +20,9 @@ FEWEST_ROWS = 2
 
 Kind = Literal["numbers", "pictures", "packed pictures", "other"]
 
-_TIME = re.compile(r"(^|_)(t|ts|sec|secs|seconds|stamps?|times?|timestamps?|clock)(_?(s|ms|us|ns))?$", re.IGNORECASE)
+_WORD = r"(t|ts|sec|secs|seconds|stamps?|times?|timestamps?|clock)"
+_STREAM = r"(img|images?|pics?|pictures?|frames?|cam|camera|digit|force|ft|wrench|robot|tcp|poses?|joints?)_?\d*"
+_TIME = re.compile(rf"((^|_){_WORD}|^{_WORD}_?{_STREAM})(_?(s|ms|us|ns))?$", re.IGNORECASE)
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import yaml
 
 from tactiledata.contract.description import PLACEHOLDER
 from tactiledata.contract.wording import listed
-from tactiledata.formats.hdf5.arrays import FoundArray, streams_of
+from tactiledata.formats.hdf5.arrays import FEWEST_ROWS, FoundArray, streams_of
 
 WORDS = {
     "wrench": r"wrench|force|(^|[/_])ft([/_\d]|$)|robotiq",
@@ -134,6 +134,31 @@ def _entry(array: FoundArray, time: FoundArray) -> dict[str, Any]:
     return {"topic": array.path, "time": time.path, "time_unit": time.unit}
 
 
+def _line_for(array: FoundArray, time: FoundArray | None, document: dict[str, Any]) -> str:
+    """Return a line of a mapping that would read an array of which the name says too little; empty for none."""
+    if array.is_time or array.kind == "other" or array.rows < FEWEST_ROWS:
+        return ""
+    entry = {"topic": array.path, "time": f"{PLACEHOLDER}-with-path-of-times"} if time is None else _entry(array, time)
+    if array.kind != "numbers":
+        camera = re.sub(r"[^a-z0-9_]", "_", array.name.lower()).lstrip("_0123456789") or "camera"
+        return f"images: {_flow({camera: {**entry, 'sensor': f'{PLACEHOLDER}-with-serial'}})}"
+    width = array.shape[1] if len(array.shape) == 2 else 1
+    likely = [
+        name
+        for name in WIDTHS
+        if width in WIDTHS[name] and name not in document.get("signals", {})
+        if not re.search(OTHER_WORDS[name], array.path, re.IGNORECASE)
+    ]
+    if likely and (likely[0], width) == ("tcp", 6):
+        entry["rotation"] = "rotation_vector"
+    return f"signals: {_flow({likely[0]: entry})}" if likely else ""
+
+
+def _flow(entry: dict[str, Any]) -> str:
+    """Return an entry as YAML in one line."""
+    return yaml.safe_dump(entry, sort_keys=False, default_flow_style=True, width=10_000, allow_unicode=True).strip()
+
+
 def _text(
     document: dict[str, Any], unread: Sequence[FoundArray], streams: Sequence[tuple[FoundArray, FoundArray]]
 ) -> str:
@@ -145,6 +170,8 @@ def _text(
         for one in unread[:MOST_SHOWN]:
             beside = f", times in {times[one.path].path}" if one.path in times else ""
             text += f"#   {one.path}: {one.dtype} {listed([str(size) for size in one.shape], 4)}{beside}\n"
+            if line := _line_for(one, times.get(one.path), document):
+                text += f"#       to read it: {line}\n"
         if len(unread) > MOST_SHOWN:
             text += f"#   and {len(unread) - MOST_SHOWN} more\n"
     return text + MORE
