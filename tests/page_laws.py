@@ -9,6 +9,9 @@ OPEN_ALL = "document.querySelectorAll('details').forEach(part => part.open = tru
 TOO_WIDE = "document.documentElement.scrollWidth > innerWidth"
 TALL_ROWS = "[...document.querySelectorAll('tr')].filter(row => row.offsetHeight > innerHeight).length"
 PICTURES = "[...document.images].filter(image => !image.naturalWidth || !image.alt.trim()).length"
+TINY = (
+    "[...document.querySelectorAll('img.drawn')].filter(drawn => drawn.offsetWidth < 0.4 * drawn.naturalWidth).length"
+)
 INK = "getComputedStyle(document.body).color + ' on ' + getComputedStyle(document.body).backgroundColor"
 AUDIT = (
     "axe.run({resultTypes: ['violations']}).then(told => told.violations.map("
@@ -49,6 +52,7 @@ async def faults_of(pages, folder):
                 faults += [f"{where}: wider than the window"] * (await tab.run(TOO_WIDE))
                 faults += [f"{where}: a row of a table is higher than the window"] * (await tab.run(TALL_ROWS))
                 faults += [f"{where}: a picture is not there, or has no words"] * (await tab.run(PICTURES))
+                faults += [f"{where}: the words of a drawing are too small"] * (await tab.run(TINY))
                 faults += [f"{where}: {error}" for error in tab.errors]
                 tab.errors.clear()
     return faults, inks

@@ -67,8 +67,8 @@ footer { margin-top: 3rem; font-size: .8rem; color: var(--grey); overflow-wrap: 
 {%- else %}<rect x="5" y="1" width="16" height="10" stroke="none"/>{% endif %}</svg>{% endmacro %}
 {% macro shown(picture) %}<figure>
 {% if picture.legend %}<ul class="legend" aria-label="Legend">{% for entry in picture.legend %}<li>{{ mark(entry) }}{{ entry.words }}</li>{% endfor %}</ul>{% endif %}
-{% for row in picture.rows %}<div class="row" style="max-width: {{ row | sum(attribute="width") }}px">
-{%- for panel in row %}<img{% if not panel.is_photograph %} class="drawn"{% endif %} style="flex: {{ panel.width }} 1 0; min-width: min(100%, {{ [panel.width - 24, 208] | min }}px)" alt="{{ simulated.captioned(panel.words or picture.caption) }}" src="data:image/png;base64,{{ panel.encoded }}">{% endfor %}</div>
+{% for row in picture.rows %}<div class="row{% if row | rejectattr("fits_phones") | list %} scroll" role="group" tabindex="0" aria-label="Picture: {{ row[0].words or picture.caption }}{% endif %}" style="max-width: {{ row | sum(attribute="width") }}px">
+{%- for panel in row %}<img{% if not panel.is_photograph %} class="drawn"{% endif %} style="flex: {{ panel.width }} 1 0; min-width: {{ panel.least_width }}" alt="{{ simulated.captioned(panel.words or picture.caption) }}" src="data:image/png;base64,{{ panel.encoded }}">{% endfor %}</div>
 {% endfor %}<figcaption>{{ simulated.captioned(picture.caption) }}</figcaption></figure>{% endmacro %}
 {% macro paragraphs(sentences) %}{% for kind, text in sentences %}<p{% if kind %} class="{{ kind }}"{% endif %}>{{ text | with_code }}</p>{% endfor %}{% endmacro %}
 {% set open_sections = sections | rejectattr("is_folded") | list %}
@@ -98,6 +98,10 @@ footer { margin-top: 3rem; font-size: .8rem; color: var(--grey); overflow-wrap: 
 
 SHOWN = 0.69
 """Pixels of a page for a pixel of a panel: panels are drawn finer than they are shown, for sharp screens."""
+READABLE = 0.7
+"""Share of its width on a large screen below which the words of a drawn panel are too small to be read."""
+PHONE = 343
+"""Width of the content of a page on a phone, px."""
 
 
 @dataclass(frozen=True)
@@ -125,6 +129,18 @@ class Panel:
     def width(self) -> int:
         """Width on a page, px."""
         return round(SHOWN * self.pixels)
+
+    @property
+    def fits_phones(self) -> bool:
+        """Whether its words can be read at the width of a phone; one that does not fit is scrolled there."""
+        return self.is_photograph or READABLE * self.width <= PHONE
+
+    @property
+    def least_width(self) -> str:
+        """Least width on a page, in CSS."""
+        if self.fits_phones:
+            return f"min(100%, {min(self.width - 24, 208)}px)"
+        return f"{round(READABLE * self.width)}px"
 
     @property
     def encoded(self) -> str:

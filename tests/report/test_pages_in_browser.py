@@ -11,6 +11,8 @@ from page_laws import faults_of
 BROKEN = """<!doctype html><html lang="en"><head><title>Broken</title></head><body><main>
 <a href="#a" tabindex="-1">Skip</a><h1>Broken</h1><p style="color: #999; background: #fff">pale</p>
 <img src="data:image/png;base64,AAAA" style="width: 3000px; height: 9px">
+<img class="drawn" alt="tiny" style="width: 0"
+src="data:image/gif;base64,R0lGODlhAQABAAAAACH5BAEKAAEALAAAAAABAAEAAAICTAEAOw==">
 <details><summary tabindex="-1">closed</summary>a</details>
 <table><tr style="height: 200vh"><td>high</td></tr></table>
 <script>console.error("an error of its own")</script></main></body></html>"""
@@ -21,6 +23,7 @@ SAID = (
     "wider than the window",
     "a picture is not there",
     "a row of a table is higher",
+    "the words of a drawing are too small",
     "an error of its own",
 )
 
