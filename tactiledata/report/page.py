@@ -98,7 +98,7 @@ footer { margin-top: 3rem; font-size: .8rem; color: var(--grey); overflow-wrap: 
 
 SHOWN = 0.69
 """Pixels of a page for a pixel of a panel: panels are drawn finer than they are shown, for sharp screens."""
-READABLE = 0.7
+READABLE = 0.6
 """Share of its width on a large screen below which the words of a drawn panel are too small to be read."""
 PHONE = 343
 """Width of the content of a page on a phone, px."""

@@ -135,12 +135,12 @@ def test_commands_in_sentences_are_set_as_code():
     assert "<p><code>&lt;script&gt;</code></p>" in page
 
 
-@pytest.mark.parametrize(("width", "is_scrolled"), [(480, False), (490, False), (491, True), (900, True)])
+@pytest.mark.parametrize(("width", "is_scrolled"), [(480, False), (571, False), (573, True), (900, True)])
 def test_a_wide_drawing_is_scrolled_on_a_phone(width, is_scrolled):
-    """Words are never drawn at less than 0.7 of their size: what is too wide for a phone is scrolled there."""
+    """Words are never drawn at less than 0.6 of their size: what is too wide for a phone is scrolled there."""
     panel = Panel(b"", round(width / 0.69), "shares")
     assert panel.width == width
     page = render_page("t", [], [Section("s", pictures=[Picture([[panel]], "c")])], "f")
     assert ('role="group" tabindex="0" aria-label="Picture: shares"' in page) == is_scrolled
-    assert f"min-width: {round(0.7 * width)}px" * is_scrolled in page
+    assert f"min-width: {round(0.6 * width)}px" * is_scrolled in page
     assert Panel(b"", 2000, "pictures", is_photograph=True).fits_phones
