@@ -82,6 +82,7 @@ def check_document(document: Any, schema: str, where: str) -> None:
     faults = sorted(validator.iter_errors(document), key=lambda fault: [str(part) for part in fault.absolute_path])
     if not faults:
         return
+    _refuse_other_kind(document, schema, where)
     lines = [f"at {_path(fault)}: {_short(_words(fault))}" for fault in faults[:5]]
     more = f" (and {len(faults) - 5} more)" if len(faults) > 5 else ""
     raise SchemaError(
@@ -91,6 +92,21 @@ def check_document(document: Any, schema: str, where: str) -> None:
         path=_path(faults[0]),
         file=where,
     )
+
+
+def _refuse_other_kind(document: Any, schema: str, where: str) -> None:
+    """Refuse a document of another kind as what it is: its own faults would only be that it is not this kind."""
+    expected = load_schema(schema)["properties"]["format"]["const"]
+    given = document.get("format") if isinstance(document, Mapping) else None
+    kinds = [load_schema(name)["properties"]["format"]["const"].partition("/")[0] for name in PAGES]
+    if isinstance(given, str) and (kind := given.partition("/")[0]) in kinds and kind != expected.partition("/")[0]:
+        raise SchemaError(
+            f"{where} is another kind of document: its format is {_short(given, 60)}",
+            f"format {expected}",
+            f"Name another file; {PAGES[schema]} shows how it is written.",
+            path="$.format",
+            file=where,
+        )
 
 
 def _path(fault: jsonschema.ValidationError) -> str:

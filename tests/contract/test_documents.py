@@ -70,6 +70,18 @@ def test_a_fault_says_what_is_expected(document, schema, said):
         check_document(document, schema, "x.yaml")
 
 
+def test_a_document_of_another_kind_is_called_that():
+    """Effects in the place of a calibration are no calibration that lacks all its keys."""
+    with pytest.raises(SchemaError) as caught:
+        check_document({"format": "tactiledata-effects/1", "effects": []}, "calibration", "effects.json")
+    assert str(caught.value) == (
+        "effects.json is another kind of document: its format is tactiledata-effects/1; expected format "
+        "tactiledata-calibration/1. Name another file; docs/calibration.md shows how it is written."
+    )
+    with pytest.raises(SchemaError, match="does not fit schema"):
+        check_document({"format": "tactiledata-nothing/1"}, "calibration", "x.json")
+
+
 @pytest.mark.parametrize("text", ["{", "a: b: c", "a: [1, 2"])
 def test_a_line_that_is_no_yaml_is_named_without_a_name_of_the_library(text):
     """The message has the line and the column, and does not call the file an unknown string."""

@@ -253,7 +253,7 @@ FATAL = {
                        "'file' missing"),
     "wrench-is-folder": (lambda folder: ((folder / "wrench.csv").unlink(), (folder / "wrench.csv").mkdir()),
                          "BrokenLog", "not a file"),
-    "frame-path-up": (cell("frames.csv", 2, 2, "../secret.png"), "UnsafeContent", "leaves the folder"),
+    "frame-path-up": (cell("frames.csv", 2, 2, "../secret.png"), "UnsafeContent", "path '../secret.png', which leaves"),
     "frame-path-absolute": (cell("frames.csv", 2, 2, "/etc/passwd"), "UnsafeContent", "leaves the folder"),
     "frame-path-windows": (cell("frames.csv", 2, 2, "..\\secret.png"), "UnsafeContent", "leaves the folder"),
     "frame-link-out": (link_out("frames/t0_1.png"), "UnsafeContent", "leaves the folder"),

@@ -59,6 +59,7 @@ class LogFolder:
         if ":" in name or "\0" in name or pure.name in ("", ".."):
             return path_inside(self.root, name, where)
         if pure.parent not in self._checked:
+            path_inside(self.root, name, where)  # says which file it is
             path_inside(self.root, str(pure.parent), where)
             self._checked.add(pure.parent)
         path = self.root / pure
