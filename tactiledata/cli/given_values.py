@@ -18,6 +18,9 @@ from tactiledata.errors import TactileDataError, UsageError
 OUTPUT = "out"
 """Name of the parameter that says where a command writes what is no store; one that writes a store has another name."""
 
+WRITTEN = (OUTPUT, "into", "out_store")
+"""Names of all parameters that say where a command writes: on this machine."""
+
 
 class CheckedCommand(TyperCommand):
     """A command that refuses blank texts, and output into a store, before it does anything."""
@@ -44,6 +47,8 @@ class CheckedCommand(TyperCommand):
         for parameter in self.params:
             if parameter.name == OUTPUT and typed.get(OUTPUT) is not None:
                 _refuse_store(str(typed[OUTPUT]), max(parameter.opts, key=len))
+            if parameter.name in WRITTEN and typed.get(parameter.name) is not None:
+                refuse_address(str(typed[parameter.name]), max(parameter.opts, key=len))
         if not (ctx.resilient_parsing or typed.get("help")):
             for parameter in self.params:
                 if parameter.required and typed.get(parameter.name) in (None, ()):
@@ -73,6 +78,29 @@ def _refuse_store(path: str, option: str) -> None:
             f"{option} {path!r} lies in the store {store}",
             "a place outside any store",
             "Name another place: what is no part of a store would be damage in it.",
+        )
+
+
+def refuse_address(place: str, option: str) -> None:
+    """Refuse an address where something will be written: a folder of that name would come to be on this machine.
+
+    Parameters
+    ----------
+    place : str
+        What was typed.
+    option : str
+        After which option, for the message.
+
+    Raises
+    ------
+    UsageError
+        It is an address, such as ``s3://bucket/x``, and no path.
+    """
+    if "://" in place or "::" in place:
+        raise UsageError(
+            f"{option} {place!r} is an address",
+            "a path on this machine",
+            "Write it here, then copy it there; a store is read from an address (docs/store.md).",
         )
 
 

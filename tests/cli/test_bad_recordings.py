@@ -21,6 +21,11 @@ def path_that_is_not_there(bench):
     return bench.ingest(bench.folder / "nowhere.mcap")
 
 
+@case(2, "does not exist", "only stores are read from there")
+def address_of_recordings(bench):
+    return bench.ingest("s3://bucket/recordings")
+
+
 @case(1, "empty", "no recording was added to")
 def empty_file(bench):
     bench.mcap.write_bytes(b"")

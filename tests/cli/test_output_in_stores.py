@@ -14,6 +14,30 @@ def content(folder):
     return sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if not path.name.endswith(".lock"))
 
 
+@pytest.mark.parametrize("name", [*WITH_OUT, "merge", "plant", "ingest"])
+def test_output_to_an_address_is_refused(name, bench, capsys):
+    """A store is read from an address; nothing is written there, nor into a folder of that name."""
+    option = {"merge": "--into", "plant": "--into", "ingest": "--store"}.get(name, "--out")
+    words = [str(bench.mcap)] if name == "ingest" else []
+    code, text = command(capsys, name, *words, option, "s3://bucket/x")
+    assert code == 2, text
+    assert f"{option} 's3://bucket/x' is an address; expected a path on this machine" in " ".join(text.split())
+    assert not (bench.folder / "s3:").exists()
+
+
+@pytest.mark.parametrize("name", ["replay", "check", "sensors"])
+def test_a_store_at_an_address_is_not_written_into(name, bench, capsys):
+    """A command that changes the store says that the store must lie on a disk, and not that there is none."""
+    words = {
+        "replay": ["http://h/x", "--youngs-modulus", "9e5", "--poisson-ratio", "0.45", "--friction", "0.5"],
+        "check": ["http://h/x", "--repair"],
+        "sensors": ["remove", "X", "--store", "http://h/x"],
+    }[name]
+    code, text = command(capsys, name, *words)
+    assert code == 2, text
+    assert "the store http:/h/x is not on a local disk; expected a local store" in " ".join(text.split())
+
+
 @pytest.mark.parametrize("place", ["ds.zarr", "ds.zarr/x", "ds.zarr/streams/../y", "link/z"])
 @pytest.mark.parametrize("name", WITH_OUT)
 def test_output_into_a_store_is_refused(name, place, bench, capsys):

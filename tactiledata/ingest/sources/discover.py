@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
@@ -50,9 +51,7 @@ def find_sources(paths: Sequence[Path], format_name: str | None = None) -> tuple
     unclaimed: list[Path] = []
     for path in paths:
         if not path.exists():
-            raise MissingFile(
-                f"{path} does not exist", "a recording or a folder of recordings", "Check the spelling.", path=str(path)
-            )
+            raise _absent(path)
         if not (path.is_file() or path.is_dir()):
             raise UsageError(
                 f"{path} is a pipe or a device", "a file or a folder", "Copy its content into a file.", path=str(path)
@@ -66,6 +65,14 @@ def find_sources(paths: Sequence[Path], format_name: str | None = None) -> tuple
         unclaimed.extend(left)
     used = {name for source in sources for name in source.files}
     return _unique_keys(sources), [path for path in unclaimed if str(path) not in used]
+
+
+def _absent(path: Path) -> MissingFile:
+    """What is said of a path at which nothing is; an address has lost one of its two slashes on the way here."""
+    expected, remedy = "a recording or a folder of recordings", "Check the spelling."
+    if re.match(r"[a-z][a-z0-9+.-]+:/", str(path)):
+        remedy = "It looks like an address: only stores are read from there. Copy the recordings to this machine first."
+    return MissingFile(f"{path} does not exist", expected, remedy, path=str(path))
 
 
 def unclaimed_findings(unclaimed: Sequence[Path]) -> tuple[list[Path], list[Finding]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
@@ -28,6 +29,9 @@ from tactiledata.store.layout.regular_files import need_regular
 Manifest = dict[str, Any]
 RECORDINGS = "`tactiledata ingest RECORDINGS --store NAME.zarr` makes a store of recordings."
 """What to do with a path that is named as a store and holds recordings."""
+
+ADDRESS = re.compile(r"[a-z][a-z0-9+.-]+:/(?!/)")
+"""How an address begins that was taken for a path, and so lost one of its two slashes."""
 
 
 def empty_manifest(settings: Settings) -> Manifest:
@@ -182,6 +186,13 @@ def read_manifest(store_path: Path | str, checked: bool = True, damaged: bool = 
 
 def not_a_store(location: str, exists: bool) -> MissingFile | StoreError:
     """The error for a place without a manifest: a store that lost it has other files of one, a wrong call has none."""
+    if not exists and ADDRESS.match(location):
+        return MissingFile(
+            f"the store {location} is not on a local disk",
+            "a local store",
+            "This writes into the store: run it where the store lies, or copy the store here first.",
+            path=location,
+        )
     if not exists:
         return MissingFile(
             f"there is no store at {location}",
