@@ -33,7 +33,7 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
 
     Example: tactiledata info ds.zarr
     """
-    from tactiledata.store.read.overview import found_in, overview
+    from tactiledata.store.read.overview import found_in, overview, shown_rate
     from tactiledata.store.read.reader import Store
     from tactiledata.store.read.simulated import simulated_recordings
 
@@ -71,8 +71,8 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
             " ".join(row["columns"]),
             row["frame"] or "-",
             row["samples"],
-            row["rate_hz"],
-            row["effective_rate_hz"] or "-",
+            shown_rate(row["rate_hz"]),
+            shown_rate(row["effective_rate_hz"]),
         )
         for name, row in facts["signals"].items()
     ]

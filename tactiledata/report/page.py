@@ -84,7 +84,7 @@ footer { margin-top: 3rem; font-size: .8rem; color: var(--grey); overflow-wrap: 
 {{ paragraphs(section.sentences) }}
 {% if section.rows %}<div class="scroll" role="region" tabindex="0" aria-label="Table: {{ section.title }}"><table><tr>
 {%- for name in section.columns %}{% if name %}<th scope="col">{{ name }}</th>{% else %}<td></td>{% endif %}{% endfor %}</tr>
-{% for row in section.rows %}<tr>{% for cell in row %}<td{% if cell is number %} class="number"{% elif cell | string | length > prose %} class="prose"{% endif %}>{{ cell }}</td>{% endfor %}</tr>
+{% for row in section.rows %}<tr>{% for cell in row %}<td{% if cell is number %} class="number"{% elif cell | string | length > prose %} class="prose"{% endif %}>{{ "{:,}".format(cell) if cell is integer else cell }}</td>{% endfor %}</tr>
 {% endfor %}</table></div>{% endif %}
 {% for picture in section.pictures %}{{ shown(picture) }}{% endfor %}
 {% for block in section.code %}<pre tabindex="0">{{ block }}</pre>{% endfor %}

@@ -144,3 +144,10 @@ def test_a_wide_drawing_is_scrolled_on_a_phone(width, is_scrolled):
     assert ('role="group" tabindex="0" aria-label="Picture: shares"' in page) == is_scrolled
     assert f"min-width: {round(0.6 * width)}px" * is_scrolled in page
     assert Panel(b"", 2000, "pictures", is_photograph=True).fits_phones
+
+
+def test_counts_of_a_table_have_separators_as_on_the_terminal():
+    """Thousands are parted, and other numbers stand as they are."""
+    page = render_page("t", [], [Section("s", columns=("a", "b"), rows=[(10857, 0.25), (True, "1000")])], "f")
+    assert '<td class="number">10,857</td><td class="number">0.25</td>' in page
+    assert "<td>1000</td>" in page

@@ -23,7 +23,7 @@ from tactiledata.splits.manifest import coverage_problem, read_split, read_split
 from tactiledata.splits.options import EXCLUDED, PARTITIONS
 from tactiledata.splits.suggest import suggest_split
 from tactiledata.store.read.flags import flag_words, flagged_trajectories
-from tactiledata.store.read.overview import overview
+from tactiledata.store.read.overview import overview, shown_rate
 from tactiledata.store.read.reader import Store
 from tactiledata.store.read.simulated import simulated_recordings, touch_mark
 
@@ -205,8 +205,8 @@ def _signals(facts: dict) -> Section | None:
             " ".join(row["columns"]),
             row["frame"] or "not stated",
             row["samples"],
-            row["rate_hz"],
-            row["effective_rate_hz"] or "-",
+            shown_rate(row["rate_hz"]),
+            shown_rate(row["effective_rate_hz"]),
         )
         for name, row in facts["signals"].items()
     ]

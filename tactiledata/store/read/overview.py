@@ -71,6 +71,11 @@ def _by_indenter(trajectories: pa.Table) -> dict[str, dict[str, int]]:
     }
 
 
+def shown_rate(rate: float | None) -> float | str:
+    """Return a rate (Hz) as people read it, to a tenth; a dash where there is none."""
+    return round(rate, 1) if rate else "-"
+
+
 def _signal(store: Store, name: str) -> dict[str, Any]:
     signal = store.signal(name)
     return {

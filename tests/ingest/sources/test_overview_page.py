@@ -190,7 +190,7 @@ FACTS = {
     "by_indenter": {"": {"trajectories": 1, "frames": 2}, "ball": {"trajectories": 1, "frames": 1}},
     "signals": {
         "tcp": {"columns": ["x", "y"], "frame": "", "samples": 7, "rate_hz": 100.0, "effective_rate_hz": 0},
-        "wrench": {"columns": ["fx"], "frame": "ft", "samples": 8, "rate_hz": 50.0, "effective_rate_hz": 25.0},
+        "wrench": {"columns": ["fx"], "frame": "ft", "samples": 8, "rate_hz": 50.0, "effective_rate_hz": 24.97},
     },
 }  # fmt: skip
 
