@@ -7,8 +7,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from tactiledata.errors import UsageError
 from tactiledata.store.layout.lock import writing_lock
-from tactiledata.store.layout.manifest import Settings, read_manifest
+from tactiledata.store.layout.manifest import ADDRESS, Settings, read_manifest
 from tactiledata.store.layout.places import INTAKE_LOCK, MANIFEST
 from tactiledata.store.write.commit import create
 from tactiledata.store.write.writer import find_staged
@@ -30,10 +31,16 @@ def intake(folder: Path, settings: Settings | None = None) -> Iterator[None]:
     StoreError
         The folder holds something else, cannot be written, or is a store of a newer version.
     UsageError
-        The store exists with other settings, or the place lies in another store.
+        The store exists with other settings, the place lies in another store, or it is an address.
     StoreBusy
         Another process takes recordings in.
     """
+    if ADDRESS.match(str(folder)):
+        raise UsageError(
+            f"the store {folder} is an address",
+            "a folder on this machine",
+            "Write the store here, then copy it there; a store is read from an address (docs/store.md).",
+        )
     is_new = not (folder / MANIFEST).exists()
     made = [place for place in (folder, *folder.parents) if not place.exists()]
     create(folder, settings)

@@ -1,7 +1,10 @@
 """A store that takes recordings in and gets none leaves no trace; whatever was there before stays."""
 
+from pathlib import Path
+
 import pytest
 
+from tactiledata.errors import UsageError
 from tactiledata.store.write import intake as module
 from tactiledata.store.write.commit import create
 from tactiledata.store.write.intake import intake
@@ -51,3 +54,14 @@ def test_a_store_with_a_waiting_take_stays(tmp_path, monkeypatch):
     with intake(tmp_path / "ds.zarr"):
         ...
     assert (tmp_path / "ds.zarr" / "manifest.json").exists()
+
+
+@pytest.mark.parametrize("place", ["s3://bucket/x.zarr", "gs://a/b", "file:///tmp/x.zarr"])
+def test_an_address_does_not_become_a_folder(place, tmp_path, monkeypatch):
+    """A store at an address is refused before anything is made; a folder with a colon in its name is a folder."""
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(UsageError, match="address"), intake(Path(place)):
+        pass
+    assert list(tmp_path.iterdir()) == []
+    with intake(tmp_path / "day:1.zarr"):
+        pass
