@@ -11,9 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.contract.lfs_pointer import refuse_lfs_pointer
 from tactiledata.contract.records import Recording, Signal, Source, Stamps, Trajectory
-from tactiledata.errors import BrokenLog, UnsafeContent
+from tactiledata.errors import UnsafeContent
 from tactiledata.formats.reading.corpus import (
     CorpusFormat,
     Timeline,
@@ -23,7 +22,13 @@ from tactiledata.formats.reading.corpus import (
     sensor_for,
     subfolders,
 )
-from tactiledata.formats.reading.hdf5_members import HDF5_FAULTS, Hdf5Members, UnreadableNumbers, open_hdf5
+from tactiledata.formats.reading.hdf5_members import (
+    HDF5_FAULTS,
+    Hdf5Members,
+    UnreadableNumbers,
+    open_hdf5,
+    reading_hdf5,
+)
 from tactiledata.formats.reading.intake import Intake
 from tactiledata.formats.reading.natural_order import natural_key, natural_paths
 
@@ -82,21 +87,10 @@ class AcrossHdf5Format(CorpusFormat):
             It takes values from another file.
         """
         path = Path(source.path)
-        refuse_lfs_pointer(path)
-        try:
-            with open_hdf5(path) as members:
-                sensor = _sensor(path, members)
-                serial = sensor_for(sensor, f"across-{sensor}", mapping)
-                touches, signal = _walk(members, sensor, serial, intake)
-        except UnsafeContent:  # it is a ValueError, and no damage
-            raise
-        except HDF5_FAULTS as error:
-            raise BrokenLog(
-                f"{path} cannot be read as HDF5 ({str(error)[:150]})",
-                "a whole HDF5 file of ACROSS results",
-                "Fetch the file again.",
-                file=str(path),
-            ) from error
+        with reading_hdf5(path, "a whole HDF5 file of ACROSS results", "Fetch the file again.") as members:
+            sensor = _sensor(path, members)
+            serial = sensor_for(sensor, f"across-{sensor}", mapping)
+            touches, signal = _walk(members, sensor, serial, intake)
         if not touches:
             raise_empty(source, "trial_<i>/step_<j>/nodal_coords_<sensor>/env_<k>")
         note_nominal_rate(intake, "the simulation")

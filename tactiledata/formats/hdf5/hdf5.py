@@ -9,10 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from tactiledata.contract.description import LogDescription
-from tactiledata.contract.lfs_pointer import refuse_lfs_pointer
 from tactiledata.contract.records import ImageSink, Recording, Source
 from tactiledata.contract.wording import listed
-from tactiledata.errors import BrokenLog, SchemaError, TactileDataError, UnsafeContent
+from tactiledata.errors import BrokenLog, SchemaError, UnsafeContent
 from tactiledata.formats.base import Inspection, TopicInfo
 from tactiledata.formats.hdf5.arrays import FoundArray, arrays_of, streams_of
 from tactiledata.formats.hdf5.draft import draft_mapping
@@ -20,7 +19,7 @@ from tactiledata.formats.hdf5.pictures import mapped_cameras, push_pictures
 from tactiledata.formats.hdf5.signals import ArrayFile, read_signal
 from tactiledata.formats.reading.corpus import CorpusFormat
 from tactiledata.formats.reading.described import described_trajectories
-from tactiledata.formats.reading.hdf5_members import HDF5_FAULTS, open_hdf5
+from tactiledata.formats.reading.hdf5_members import HDF5_FAULTS, open_hdf5, reading_hdf5
 from tactiledata.formats.reading.intake import Intake
 
 SUFFIXES = (".h5", ".hdf5")
@@ -212,17 +211,7 @@ def _refuse_keys(mapping: Mapping[str, Any]) -> None:
 
 @contextmanager
 def _opened(path: Path) -> Iterator[ArrayFile]:
-    """Open a file; what h5py raises of damaged files becomes `BrokenLog`."""
-    refuse_lfs_pointer(path)
-    try:
-        with open_hdf5(path) as members:
-            yield ArrayFile(members, path.name)
-    except TactileDataError:  # some are ValueErrors, and no damage of the file
-        raise
-    except HDF5_FAULTS as error:
-        raise BrokenLog(
-            f"{path} cannot be read as HDF5 ({str(error)[:150]})",
-            "a whole HDF5 file",
-            "Copy the file again; a file whose writer was killed may open after h5clear -s.",
-            file=str(path),
-        ) from error
+    """Open a file whose arrays are read by their paths."""
+    remedy = "Copy the file again; a file whose writer was killed may open after h5clear -s."
+    with reading_hdf5(path, "a whole HDF5 file", remedy) as members:
+        yield ArrayFile(members, path.name)

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tactiledata.errors import UnsafeContent
+from tactiledata.contract.lfs_pointer import refuse_lfs_pointer
+from tactiledata.errors import BrokenLog, TactileDataError, UnsafeContent
 
 HDF5_FAULTS = (OSError, RuntimeError, KeyError, TypeError, ValueError, OverflowError, MemoryError, AttributeError)
 """What h5py raises on damaged files; names of groups may come as bytes, sizes as nonsense."""
@@ -260,6 +261,35 @@ def open_hdf5(path: Path) -> Iterator[Hdf5Members]:
 
     with h5py.File(path, "r") as file:
         yield Hdf5Members(file, path.stat().st_size)
+
+
+@contextmanager
+def reading_hdf5(path: Path, expected: str, remedy: str) -> Iterator[Hdf5Members]:
+    """Open an HDF5 file to read its members; what h5py raises of a damaged file becomes an error of the toolkit.
+
+    Parameters
+    ----------
+    path : Path
+    expected, remedy : str
+        What was expected of the file, and what to do, for the message.
+
+    Raises
+    ------
+    BrokenLog
+        The file cannot be read as HDF5.
+    NotFetched
+        The file is a Git LFS pointer.
+    """
+    refuse_lfs_pointer(path)
+    try:
+        with open_hdf5(path) as members:
+            yield members
+    except TactileDataError:  # some are ValueErrors, and no damage of the file
+        raise
+    except HDF5_FAULTS as error:
+        raise BrokenLog(
+            f"{path} cannot be read as HDF5 ({str(error)[:150]})", expected, remedy, file=str(path)
+        ) from error
 
 
 def _check_chunks(dataset: Any) -> None:
