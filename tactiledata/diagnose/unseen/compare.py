@@ -130,7 +130,7 @@ def show(
     # where the plain simulation departs
     if located is None:
         progress("where they differ")
-        located = locate_touches(white, base, seed)
+        located = locate_touches(white, base, seed, has_errors=not names)
     # errors on held-out data, without and with the best candidate, and of a black box
     progress("what is held out")
     errors = held_out_errors(white, (base, after), seed)

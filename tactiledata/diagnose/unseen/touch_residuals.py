@@ -193,7 +193,9 @@ def case_noise(white: WhitenedTouches, fit: JointFit) -> NoiseModel:
     return NoiseModel((inflation - 1.0) / (inflation + 1.0), scatter=scatter)
 
 
-def locating(white: WhitenedTouches, fit: JointFit, seed: int = 0, draws: int = DRAWS) -> LocateOptions:
+def locating(
+    white: WhitenedTouches, fit: JointFit, seed: int = 0, draws: int = DRAWS, has_errors: bool = True
+) -> LocateOptions:
     """Return the options with which locators test the residuals of a fit to touches.
 
     Parameters
@@ -203,14 +205,18 @@ def locating(white: WhitenedTouches, fit: JointFit, seed: int = 0, draws: int = 
         The fit whose residuals they are.
     seed, draws : int
         Seed and number of the sign flips.
+    has_errors : bool
+        Whether findings have to exceed errors of the simulation as well as noise.
     """
     noise = case_noise(white, fit)
-    units = contrast_units(white, fit)
+    units = contrast_units(white, fit) if has_errors else dict.fromkeys(OF_THE_GEL, 0.0)
     errors = {name: OF_THE_GEL[name] * unit for name, unit in units.items()}
     return LocateOptions(noise=noise, seed=seed, draws=draws, is_fitted=True, errors=errors)
 
 
-def locate_touches(white: WhitenedTouches, fit: JointFit, seed: int = 0, draws: int = DRAWS) -> LocatorResults:
+def locate_touches(
+    white: WhitenedTouches, fit: JointFit, seed: int = 0, draws: int = DRAWS, has_errors: bool = True
+) -> LocatorResults:
     """Return the results of all locators on the residuals of a fit to touches.
 
     Parameters
@@ -219,13 +225,16 @@ def locate_touches(white: WhitenedTouches, fit: JointFit, seed: int = 0, draws: 
     fit : JointFit
     seed, draws : int
         Seed and number of the sign flips.
+    has_errors : bool
+        Whether findings have to exceed errors of the simulation as well as noise. Where an effect is named they need
+        not: the question is then where it shows, no longer whether it is there.
 
     Raises
     ------
     TactileDataError
         Too few trajectories.
     """
-    return locate(case_residuals(white, fit), locating(white, fit, seed, draws))
+    return locate(case_residuals(white, fit), locating(white, fit, seed, draws, has_errors))
 
 
 def _single(white: WhitenedTouches) -> Array:
