@@ -234,6 +234,16 @@ def test_a_draft_has_lines_for_arrays_whose_names_say_nothing(made):
     assert "to read it" not in text
 
 
+def test_names_with_line_breaks_stay_in_their_comment(tmp_path):
+    """A name that a stranger chose adds nothing to a draft but a comment."""
+    name = "x\nclock: log\n#"
+    path = write(tmp_path / "odd.h5", {"time": np.arange(5.0), "force": np.zeros((5, 6)), name: np.zeros((5, 3))})
+    [source] = FORMAT.sources(path)
+    document, text = FORMAT.draft([FORMAT.inspect(source)])
+    assert yaml.safe_load(text) == document
+    assert set(document) == {"format", "signals"}
+
+
 def test_a_draft_knows_single_arrays_by_their_names(tmp_path):
     """An array for each component makes a signal with fields."""
     names = ("fx", "fy", "fz", "mx", "my", "mz")

@@ -169,7 +169,8 @@ def _text(
         text += "# Not read:\n"
         for one in unread[:MOST_SHOWN]:
             beside = f", times in {times[one.path].path}" if one.path in times else ""
-            text += f"#   {one.path}: {one.dtype} {listed([str(size) for size in one.shape], 4)}{beside}\n"
+            path = one.path if one.path.isprintable() else repr(one.path)  # a line break would end the comment
+            text += f"#   {path}: {one.dtype} {listed([str(size) for size in one.shape], 4)}{beside}\n"
             if line := _line_for(one, times.get(one.path), document):
                 text += f"#       to read it: {line}\n"
         if len(unread) > MOST_SHOWN:
