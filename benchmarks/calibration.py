@@ -76,7 +76,7 @@ def world(seed: int, count: int, mesh, fidelity) -> tuple[Measured, np.ndarray]:
 
 
 def moved_by_estimates(done: Calibration) -> str:
-    """By how much E, nu and mu move where every play is made: in per cent, and in widths of both their intervals."""
+    """Return a sentence on how far E, nu and mu move if no play is estimated, in per cent and in interval widths."""
     began = time.perf_counter()
     plan = ResponsePlan.of(done.bounds)
     touches, options = done.measured.touches, done.options

@@ -1,4 +1,4 @@
-"""Where the worlds of a sealed proof differ from their simulation: what locators say without a catalogue.
+"""Print where locators find that simulated recordings of a sealed proof depart from their simulation.
 
     python benchmarks/proof_located.py PROOF [PROOF ...] [--json FILE]
     python benchmarks/proof_located.py PROOF [PROOF ...] --errors

@@ -235,9 +235,8 @@ def _print_summary(previews: list[Any], failed: Mapping[str, str]) -> None:
     """Print a line for each of several sources, behind all that was printed of each: what ingest would make of it."""
     rows: list[tuple[Any, ...]] = []
     for item in previews:
-        source, facts, take = item.inspection.source, item.inspection.facts, item.take
-        start, end = facts.get("start_ns"), facts.get("end_ns")
-        lasts = "-" if start is None or end is None else f"{(end - start) / 1e9:.1f}"
+        source, take = item.inspection.source, item.take
+        lasts = _duration(item.inspection.facts) or "-"
         made = ("-", "-") if take is None else (take.trajectories.num_rows, take.frames.num_rows)
         rows.append((source.key, source.format, lasts, *made, item.status or "would not be read"))
     rows += [(key, "-", "-", "-", "-", "cannot be read") for key in failed]
@@ -249,9 +248,14 @@ def _fact_lines(facts: Mapping[str, Any]) -> Iterator[str]:
     for name, value in facts.items():
         if value not in ("", None, []):
             yield f"{_FACTS.get(name, name)}: {', '.join(value) if isinstance(value, list) else value}"
+    if duration := _duration(facts):
+        yield f"duration: {duration} s"
+
+
+def _duration(facts: Mapping[str, Any]) -> str:
+    """Return how long a recording lasts, in seconds; empty where its facts do not say."""
     start, end = facts.get("start_ns"), facts.get("end_ns")
-    if start is not None and end is not None:
-        yield f"duration: {(end - start) / 1e9:.1f} s"
+    return "" if start is None or end is None else f"{(end - start) / 1e9:.1f}"
 
 
 def _rate(topic: Any) -> str:

@@ -1,4 +1,4 @@
-"""Where locators say that sealed worlds differ: how their words are counted."""
+"""Tests of how the findings of locators on sealed worlds are counted and printed."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ def case(kind, hidden, told, by_chance=0.25, is_structured=True, generator="laye
 
 
 def test_right_words_are_counted_beside_what_chance_would_give(capsys):
-    """Of two lags one is located; chance would locate half of one; a null of which nothing is told is counted."""
+    """The table counts worlds whose place is right, the number expected by chance, and nulls with any finding."""
     print_tables([
         case("visible", "lag", ["indenter", "loading rate"]),
         case("visible", "lag", ["indenter"]),

@@ -24,7 +24,7 @@ def gaps(count):
 
 
 def test_findings_alike_are_printed_once_with_their_places(capsys):
-    """Of five findings that say the same, one is printed whole, three places are named, and how to see all is said."""
+    """Five findings with the same words are printed once, with three places and how to list all of them."""
     assert printed(capsys, gaps(5)) == [
         "warning day0: wrench: 0 gaps of '0' [gap]",
         "and 4 more like it, in day1, day2, day3 …",

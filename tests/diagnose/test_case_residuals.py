@@ -96,7 +96,7 @@ def test_the_unit_is_the_noise(quiet):
 
 
 def test_errors_of_the_simulation_do_not_shrink_with_the_noise(quiet, monkeypatch):
-    """Where the noise is half as large, errors of the simulation are twice as many times the noise; E errs as before.
+    """Halving the noise doubles the allowed simulation error of forces in units of the noise, and leaves that of E.
 
     Errors of twice the usual size are twice as large in every contrast.
     """

@@ -97,6 +97,17 @@ def test_columns_and_single_arrays_are_fields(made, entry, values):
     np.testing.assert_array_equal(recording.signals["wrench"].values, columns[:, list(values)])
 
 
+@pytest.mark.parametrize("entry", [{"topic": "apart", "fields": list("abcdef")},
+                                   {"topic": "/", "fields": [f"apart/{name}" for name in "abcdef"]}])  # fmt: skip
+def test_arrays_that_are_fields_count_as_read(made, entry):
+    """Of a group, the arrays that are fields are read, and the others are listed as not read."""
+    path, arrays = made
+    write(path, arrays, **{f"apart/{name}": np.zeros(40) for name in "abcdefg"})
+    [(recording, _)] = read(FORMAT, path, changed("signals", "wrench", **entry))
+    [said] = [finding.message for finding in recording.findings if finding.code == "topics-not-read"]
+    assert said.endswith("not read: apart/g, force/values (count 2)")
+
+
 def test_stated_units_are_brought_to_si_and_own_signals_keep_theirs(made):
     """Millinewtons and newton millimetres become N and N m; a temperature stays in its unit."""
     path, arrays = made

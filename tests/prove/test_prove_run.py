@@ -79,7 +79,7 @@ def test_a_killed_proof_goes_on_and_fits(tmp_path, monkeypatch):
 
 @pytest.mark.slow
 def test_the_root_is_known_before_the_first_answer(tmp_path, monkeypatch):
-    """With --seal-only a proof stops at its seal; it goes on from there, and the root stays."""
+    """The option --seal-only prints the root and gives no answer; a later run answers under the same root."""
     folder = ProofFolder(tmp_path / "proof")
     monkeypatch.setenv("TACTILEDATA_CACHE", str(tmp_path / "cache"))
     words = ["prove", "--out", str(folder.path)]

@@ -81,7 +81,7 @@ def folds_of(count: int, seed: int = 0) -> Indices:
 
 @dataclass(frozen=True)
 class HeldOutRefits:
-    """HeldOutRefits to some of the trajectories, each by one step from the fit to all of them.
+    """Refits to some of the trajectories, each by one step from the fit to all of them.
 
     Parameters
     ----------

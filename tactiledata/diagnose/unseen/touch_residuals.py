@@ -32,7 +32,7 @@ ten have less (``python benchmarks/proof_located.py twelfth thirteenth fourteent
 
 
 def contrast_units(white: WhitenedTouches, fit: JointFit) -> dict[str, float]:
-    """Return the units in which errors of a simulation are alike: its size of error, as large as a contrast's unit.
+    """Return the unit of each contrast in which errors of all simulations are about as large.
 
     An error of a component of force or torque is a share of its root mean square in contact, which is given here in
     times the noise, as `Contrast.size` is. Errors of E, nu and mu are shares of their values, that of the contact

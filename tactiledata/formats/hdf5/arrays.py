@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -92,6 +92,25 @@ def arrays_of(members: Hdf5Members) -> list[FoundArray]:
         if len(found) == MOST_ARRAYS:
             break
     return found
+
+
+def paths_read(mapping: Mapping[str, Any]) -> set[str]:
+    """Return the paths of all arrays that a mapping reads: topics, their fields, and their times.
+
+    Parameters
+    ----------
+    mapping : dict
+        A document that fits ``schemas/mapping.json``.
+    """
+    entries = [*mapping.get("signals", {}).values(), *mapping.get("images", {}).values()]
+    paths = [entry[key] for entry in entries for key in ("topic", "time") if key in entry]
+    paths += [joined(entry["topic"], field) for entry in entries for field in entry.get("fields", ())]
+    return {path.strip("/") for path in paths}
+
+
+def joined(folder: str, name: str) -> str:
+    """Return the path of an array in a group; "/" and nothing are the file itself."""
+    return f"{folder}/{name}" if folder.strip("/") else name
 
 
 def times_of(array: FoundArray, arrays: Sequence[FoundArray]) -> list[FoundArray]:

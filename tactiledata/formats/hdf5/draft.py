@@ -11,7 +11,7 @@ import yaml
 
 from tactiledata.contract.description import PLACEHOLDER
 from tactiledata.contract.wording import listed
-from tactiledata.formats.hdf5.arrays import FEWEST_ROWS, FoundArray, streams_of
+from tactiledata.formats.hdf5.arrays import FEWEST_ROWS, FoundArray, joined, paths_read, streams_of
 
 WORDS = {
     "wrench": r"wrench|force|(^|[/_])ft([/_\d]|$)|robotiq",
@@ -105,9 +105,7 @@ def draft_mapping(arrays: Sequence[FoundArray]) -> ArrayDraft:
     document |= {"signals": signals} if signals else {}
     document |= {"images": images} if images else {}
     document |= {"description": {"sensors": sensors}} if sensors else {}
-    entries = [*signals.values(), *images.values()]
-    read = {entry[key] for entry in entries for key in ("topic", "time")}
-    read |= {_joined(entry["topic"], field) for entry in entries for field in entry.get("fields", ())}
+    read = paths_read(document)
     return ArrayDraft(document, _text(document, [one for one in arrays if one.path not in read], streams))
 
 
@@ -116,17 +114,12 @@ def _by_columns(name: str, streams: Sequence[tuple[FoundArray, FoundArray]]) -> 
     columns = {one.path: time for one, time in streams if one.kind == "numbers" and one.shape[1:] in ((), (1,))}
     for folder in dict.fromkeys(one.folder for one, _ in streams):
         for fields in COLUMNS[name]:
-            paths = [_joined(folder, field) for field in fields]
+            paths = [joined(folder, field) for field in fields]
             if all(path in columns for path in paths):
                 time = columns[paths[0]]
                 entry = {"topic": folder or "/", "fields": list(fields), "time": time.path, "time_unit": time.unit}
                 return {**entry, "rotation": "rotation_vector"} if "rx" in fields else entry
     return {}
-
-
-def _joined(folder: str, name: str) -> str:
-    """Return the path of an array in a group; "/" and nothing are the file itself."""
-    return f"{folder}/{name}" if folder.strip("/") else name
 
 
 def _entry(array: FoundArray, time: FoundArray) -> dict[str, Any]:

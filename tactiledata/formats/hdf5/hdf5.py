@@ -13,7 +13,7 @@ from tactiledata.contract.records import ImageSink, Recording, Source
 from tactiledata.contract.wording import listed
 from tactiledata.errors import BrokenLog, SchemaError, UnsafeContent
 from tactiledata.formats.base import Inspection, TopicInfo
-from tactiledata.formats.hdf5.arrays import FoundArray, arrays_of, streams_of
+from tactiledata.formats.hdf5.arrays import FoundArray, arrays_of, paths_read, streams_of
 from tactiledata.formats.hdf5.draft import draft_mapping
 from tactiledata.formats.hdf5.pictures import mapped_cameras, push_pictures
 from tactiledata.formats.hdf5.signals import ArrayFile, read_signal
@@ -145,10 +145,7 @@ class Hdf5Format(CorpusFormat):
             shape = " x ".join(str(size) for size in one.shape) or "one value"
             topics.append(TopicInfo(one.path, f"{one.dtype}, {shape}", "hdf5", one.rows, note=note))
         facts = {"arrays": len(arrays), "to read it": "needs a mapping: --suggest-mapping drafts one"}
-        return Inspection(
-            source, tuple(topics), (), facts, suggested_mapping=draft.document, suggested_text=draft.text,
-            grounds=frozenset(one.path for one in arrays),
-        )  # fmt: skip
+        return Inspection(source, tuple(topics), (), facts, suggested_mapping=draft.document, suggested_text=draft.text)
 
     def draft(
         self, inspections: Sequence[Inspection], mapping: Mapping[str, Any] | None = None
@@ -180,11 +177,8 @@ class Hdf5Format(CorpusFormat):
         if mapping.get("images") and pictures and not has_cameras:
             text = f"no camera of the mapping is in this file, so that {listed(pictures, MOST_NAMED)} is not kept"
             intake.note("pictures-not-mapped", "damage", text, count=len(pictures))
-        named = [*mapping.get("signals", {}).values(), *mapping.get("images", {}).values()]
-        used = {str(entry[key]).strip("/") for entry in named for key in ("topic", "time") if key in entry}
-        unread = [
-            one.path for one in arrays if not any(one.path == path or one.path.startswith(f"{path}/") for path in used)
-        ]
+        read = paths_read(mapping)
+        unread = [one.path for one in arrays if one.path not in read]
         if unread:
             text = f"arrays that no entry of the mapping names are not read: {listed(unread, MOST_NAMED)}"
             intake.note("topics-not-read", "info", text, count=len(unread))

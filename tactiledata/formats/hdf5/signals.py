@@ -14,6 +14,7 @@ from tactiledata.arrays import Array, Times
 from tactiledata.contract.records import Signal, Stamps
 from tactiledata.contract.wording import listed
 from tactiledata.errors import BrokenLog, SchemaError
+from tactiledata.formats.reading.corpus import SECOND
 from tactiledata.formats.reading.hdf5_members import Hdf5Members, UnreadableNumbers
 from tactiledata.formats.reading.intake import Intake
 from tactiledata.formats.reading.rotation_vectors import poses_from_rotation_vectors
@@ -23,8 +24,6 @@ MOST = 10**8
 """Numbers of an array that is read."""
 PER_SECOND = {"s": 1, "ms": 10**3, "us": 10**6, "ns": 10**9}
 """Units of times, each as its number in a second."""
-SECOND = 10**9
-"""Nanoseconds."""
 COLUMN = re.compile(r"\[(\d+)\]")
 """A field that is a column of a matrix."""
 

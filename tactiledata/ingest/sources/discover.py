@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
@@ -16,6 +15,7 @@ from tactiledata.formats.base import Format
 from tactiledata.formats.folder.files import DESCRIPTION, TABLES
 from tactiledata.formats.reading.links import leads_back_up
 from tactiledata.formats.reading.natural_order import natural_key
+from tactiledata.store.layout.manifest import ADDRESS
 from tactiledata.store.layout.places import store_around
 
 MAX_DEPTH = 4
@@ -70,7 +70,7 @@ def find_sources(paths: Sequence[Path], format_name: str | None = None) -> tuple
 def _absent(path: Path) -> MissingFile:
     """What is said of a path at which nothing is; an address has lost one of its two slashes on the way here."""
     expected, remedy = "a recording or a folder of recordings", "Check the spelling."
-    if re.match(r"[a-z][a-z0-9+.-]+:/", str(path)):
+    if ADDRESS.match(str(path)):
         remedy = "It looks like an address: only stores are read from there. Copy the recordings to this machine first."
     return MissingFile(f"{path} does not exist", expected, remedy, path=str(path))
 
