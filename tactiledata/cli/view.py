@@ -91,17 +91,18 @@ def _serve(path: Path, port: int) -> None:
 
     from tactiledata.view.serve import has_display, served
 
-    with served(path, port) as address:
-        say(f"look: {address}")
-        used = urlsplit(address).port
-        say(
-            f"Only this machine can open it. On another one: `ssh -L {used}:127.0.0.1:{used} THIS-MACHINE`, then open "
-            "the same address there. Ctrl-C ends it."
-        )
-        if has_display() and sys.stdout.isatty():
-            webbrowser.open(address)
-        sys.stdout.flush()
-        try:
+    # Ctrl-C may come as soon as the address is said, and again while the server ends
+    try:
+        with served(path, port) as address:
+            say(f"look: {address}")
+            used = urlsplit(address).port
+            say(
+                f"Only this machine can open it. On another one: `ssh -L {used}:127.0.0.1:{used} THIS-MACHINE`, then "
+                "open the same address there. Ctrl-C ends it."
+            )
+            if has_display() and sys.stdout.isatty():
+                webbrowser.open(address)
+            sys.stdout.flush()
             Event().wait()
-        except KeyboardInterrupt:
-            say("ended")
+    except KeyboardInterrupt:
+        say("ended")

@@ -184,3 +184,20 @@ def test_the_command_serves_until_it_is_interrupted(tiny_store, tmp_path):
     finally:
         running.kill()
         running.communicate()
+
+
+def test_ctrl_c_while_the_address_is_said_ends_it_too(tmp_path, monkeypatch):
+    """Ctrl-C that comes before the command waits for it ends the page as well, without an error."""
+    from tactiledata.cli import view
+
+    said = []
+
+    def say(line):
+        said.append(line)
+        if line.startswith("look: "):
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(view, "say", say)
+    view._serve(tmp_path / "view.rrd", 0)
+    assert len(said) == 2
+    assert said[-1] == "ended"

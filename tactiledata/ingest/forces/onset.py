@@ -36,8 +36,8 @@ LASTS = 0.5
 LIGHT_TOUCH = 0.2
 """N. Change of the averaged force that counts as a light touch, where the noise of the average is smaller."""
 
-QUARTER = 0.3186
-"""Quartile of the size of a normally distributed number, in standard deviations."""
+QUARTER = 1.1012
+"""Lower quartile of the length of three independent normal numbers, in standard deviations of one."""
 
 
 def component_noise(load: Values) -> float:
@@ -83,11 +83,11 @@ def light_touch(load: Values, t_ns: Times) -> int:
     force = load[:, :3]
     if len(force) < 4 * width + least:
         return len(force)
-    # noise of an average: most neighbouring averages differ by no more than it
-    blocks = force[: len(force) // width * width].reshape(-1, width, 3).mean(axis=1)
-    noise = float(np.quantile(np.abs(np.diff(blocks, axis=0)), 0.25) / QUARTER / np.sqrt(2))
-    threshold = max(LIGHT_TOUCH, SIGMAS * noise * np.sqrt(3))
     averaged = uniform_filter1d(force, width, axis=0, mode="nearest")
+    # noise of an average: in a quarter of all places at least, neighbouring averages differ by nothing else
+    changes = np.linalg.norm(averaged[width:] - averaged[:-width], axis=1)
+    noise = float(np.quantile(changes, 0.25) / QUARTER / np.sqrt(2))
+    threshold = max(LIGHT_TOUCH, SIGMAS * noise * np.sqrt(3))
     away = np.linalg.norm(averaged - np.median(force[: max(MIN_FREE_AIR, width)], axis=0), axis=1) > threshold
     touched = np.flatnonzero(binary_opening(away, np.ones(least, dtype=bool)))
     return int(touched[0]) if len(touched) else len(force)
