@@ -19,14 +19,16 @@ import time
 import numpy as np
 
 from tactiledata.calibrate.calibrate import Calibration, calibrate_measured
+from tactiledata.calibrate.corrected_fit import corrected_fit
 from tactiledata.calibrate.coverage import coverage
 from tactiledata.calibrate.experiment import Experiment, assemble
-from tactiledata.calibrate.fit import fit, vector_loss
+from tactiledata.calibrate.fit import vector_loss
 from tactiledata.calibrate.measured import Measured
 from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.calibrate.plan import ResponsePlan
 from tactiledata.calibrate.plays.player import play_at, play_plan_beside
 from tactiledata.calibrate.touches import MeasuredTouch
+from tactiledata.compute import make_scheduler
 from tactiledata.gel.contact.history import GelTouch
 from tactiledata.gel.mesh.structured_pad import GridPlan, pad_mesh, structured_pad
 from tactiledata.indenters.cylinder_flat import CylinderFlat
@@ -84,7 +86,7 @@ def moved_by_estimates(done: Calibration) -> str:
     spent = time.perf_counter() - began
     experiment = assemble(touches, plan, plays.by_node())
     assert isinstance(experiment, Experiment), "a touch cannot be solved for"
-    all_made = fit(experiment, done.measured.noise, done.bounds, options)
+    all_made = corrected_fit(experiment, done.measured, done.bounds, options, make_scheduler(options.workers, None)).fit
     moved = done.fit.parameters - all_made.parameters
     widths = [np.diff(ends, axis=1)[:, 0] for ends in (all_made.intervals.ends, all_made.simulation_error.ends)]
     shown = [", ".join(f"{value:+.3f}" for value in row) for row in (moved / widths[0], moved / widths[1])]

@@ -8,6 +8,7 @@ Read in this order:
   estimated from others and from the linear engine;
 - ``response``, ``experiment``: simulated wrenches interpolated at any parameters, beside the measured ones;
 - ``losses``, ``search``, ``least_squares``, ``fit``: the distance between the two, and its minimum;
+- ``corrected_fit``: the fit again, with interpolated forces corrected by simulations at the optimum;
 - ``intervals``, ``simulation_error``, ``coverage``: how well the parameters are known, and how often that is true;
   ``knowledge``: whether each is identified, bounded or not told by the data;
 - ``calibrate``: all steps in a row; ``remarks``, ``document``, ``surface``, ``page``: the result for a reader.

@@ -1,23 +1,21 @@
-"""`calibrate` in a row: read touches, simulate them, fit E, nu and mu, check the interpolation, collect findings."""
+"""`calibrate` in a row: read touches, simulate them, fit E, nu and mu, collect findings."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from tactiledata.arrays import Array
 from tactiledata.calibrate.bounds import Bounds, find_bounds
+from tactiledata.calibrate.corrected_fit import corrected_fit
 from tactiledata.calibrate.experiment import Experiment, assemble
-from tactiledata.calibrate.fit import Fit, fit
+from tactiledata.calibrate.fit import Fit
 from tactiledata.calibrate.knowledge import KnownParameter, known_parameters, may_slide
 from tactiledata.calibrate.measured import Measured, read_measured
 from tactiledata.calibrate.options import FEWEST, CalibrationOptions
 from tactiledata.calibrate.plan import ResponsePlan
-from tactiledata.calibrate.plays.player import play_at, play_plan
+from tactiledata.calibrate.plays.player import play_plan
 from tactiledata.calibrate.remarks import remarks
 from tactiledata.compute import make_scheduler
-from tactiledata.compute.base import Scheduler
 from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.contract.records import Finding
 from tactiledata.contract.simulated import NOTHING_STATED, SimulatedCount
@@ -43,10 +41,11 @@ class Calibration:
         The frames that were fitted or held out, with their simulated response.
     fit : Fit
         Parameters, intervals and losses.
-    played : (n, 6) N, N m
-        Wrenches of all frames, simulated (not interpolated) at the optimum and at the fitted contact offsets.
+    simulated_wrenches : (n, 6) N, N m
+        Wrenches of all frames at the optimum and at the fitted contact offsets (see `CorrectedFit`).
     interpolation_error : (2,) N
-        Root mean square and largest difference of the interpolated forces from those played.
+        Root mean square and largest difference of the interpolated forces from those simulated at the optimum, before
+        the response was last corrected by it.
     findings : tuple of Finding
         What a reader should know of the fit.
     store : str
@@ -62,7 +61,7 @@ class Calibration:
     measured: Measured
     experiment: Experiment
     fit: Fit
-    played: Array
+    simulated_wrenches: Array
     interpolation_error: tuple[float, float]
     findings: tuple[Finding, ...]
     store: str
@@ -130,9 +129,9 @@ def calibrate_measured(
     if isinstance(experiment, dict) or len(experiment.touches) < FEWEST:
         reasons = experiment if isinstance(experiment, dict) else experiment.left_out
         raise too_few(0 if isinstance(experiment, dict) else len(experiment.touches), {**measured.left_out, **reasons})
-    # fit, then simulate once more at the optimum to check the interpolation
-    optimum = fit(experiment, measured.noise, bounds, options)
-    played, error = check_interpolation(experiment, optimum, measured, options, runner)
+    # fit, and correct what was interpolated by simulations at the optimum
+    corrected = corrected_fit(experiment, measured, bounds, options, runner)
+    optimum = corrected.fit
     left_out = {**measured.left_out, **experiment.left_out}
     is_slid = may_slide(experiment.touches)
     has_vector = options.loss == "vector"
@@ -140,45 +139,18 @@ def calibrate_measured(
     findings = remarks(
         optimum, bounds, options.offset_prior, left_out, has_vector, options.shape_share, is_slid, sensors
     )
-    known = known_parameters(optimum.intervals, bounds, is_slid)
-    return Calibration(options, bounds, measured, experiment, optimum, played, error, tuple(findings), store, known)
-
-
-def check_interpolation(
-    experiment: Experiment, optimum: Fit, measured: Measured, options: CalibrationOptions, runner: Scheduler
-) -> tuple[Array, tuple[float, float]]:
-    """Wrenches (n, 6) in N, N m simulated at the optimum, and the error of the interpolated forces: rms, largest (N).
-
-    A frame that the gel cannot be solved for at the optimum keeps its interpolated wrench. Both errors are NaN where
-    no frame can be solved.
-
-    Parameters
-    ----------
-    experiment : Experiment
-        The frames and their interpolated response.
-    optimum : Fit
-        Parameters, and one contact offset for each touch.
-    measured : Measured
-        Gives the mesh.
-    options : CalibrationOptions
-        Gives the engine and its fidelity.
-    runner : Scheduler
-        Where the touches are simulated.
-    """
-    assert measured.mesh is not None
-    modulus, ratio, friction = (float(value) for value in optimum.parameters)
-    # rounded to nanometres, so that a fit repeated elsewhere finds the same kept plays
-    offsets = np.round(optimum.offsets, 9)
-    plays = play_at(measured.mesh, options.mechanics, experiment.touches, ratio, friction, offsets, runner)
-    played = modulus * experiment.rows([play.wrench for play in plays])
-    response = experiment.response
-    interpolated = modulus * response.at(ratio, friction).at(np.repeat(offsets, response.counts))
-    difference = np.linalg.norm((played - interpolated)[:, :3], axis=1)
-    known = np.isfinite(difference)
-    if not known.any():
-        return interpolated, (float("nan"), float("nan"))
-    error = (float(np.sqrt(np.mean(difference[known] ** 2))), float(difference[known].max()))
-    return np.where(known[:, None], played, interpolated), error
+    return Calibration(
+        options,
+        bounds,
+        measured,
+        corrected.experiment,
+        optimum,
+        corrected.simulated,
+        corrected.interpolation_error,
+        tuple(findings),
+        store,
+        known_parameters(optimum.intervals, bounds, is_slid),
+    )
 
 
 def too_few(count: int, left_out: dict[str, int]) -> TactileDataError:

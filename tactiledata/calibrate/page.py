@@ -135,8 +135,9 @@ def _result(calibration: Calibration) -> Section:
     """Section with the parameters' table and the sentences on interpolation and simulation errors."""
     rms, largest = calibration.interpolation_error
     text = (
-        "The fit interpolates between simulations. Interpolated forces differ from a simulation with the fitted values "
-        f"by {rms:.3f} N (root mean square), and by {largest:.3f} N at most."
+        "The fit interpolates between simulations. Interpolated forces differed from a simulation with the fitted "
+        f"values by {rms:.3f} N (root mean square), and by {largest:.3f} N at most. They were corrected by that, and "
+        "E, nu and mu were fitted again."
     )
     if calibration.fit.shape_factors:
         parts = [f"{name} {factor:.3f}" for name, factor in calibration.fit.shape_factors.items()]
@@ -185,7 +186,7 @@ def _overlay_picture(calibration: Calibration, first: int, stop: int) -> Picture
                 f"{touch.name} {touch.indenter}" + (" (held out)" if place in held_out else ""),
                 touch.seconds[experiment.frames[place]],
                 experiment.measured[rows, :3],
-                calibration.played[rows, :3],
+                calibration.simulated_wrenches[rows, :3],
             )
         )
     caption = (
@@ -222,7 +223,7 @@ def _surfaces(calibration: Calibration) -> Section:
 def _residuals(calibration: Calibration) -> Section:
     """Section with the residual forces of all frames."""
     measured = calibration.experiment.measured
-    figure = draw_residuals(measured[:, 2], (measured - calibration.played)[:, :3], ("Fx", "Fy", "Fz"))
+    figure = draw_residuals(measured[:, 2], (measured - calibration.simulated_wrenches)[:, :3], ("Fx", "Fy", "Fz"))
     caption = (
         "Measured less simulated force of each frame, over the measured normal force (left), and in how many frames it"
         " occurs (right)."
