@@ -1,14 +1,15 @@
 """Calibration: seeds end to end, and coverage of the 95 % intervals on surrogate data.
 
     python benchmarks/calibration.py [--quick] [--seeds 20] [--draws 200] [--fidelity linear|finite-strain] [--low]
-                                     [--all-plays]
+                                     [--all-plays] [--uncorrected]
 
 Every seed draws its own touches, truth, offsets, zeros and noise; the engine itself plays the truth, so what is
 measured is the statistics and the interpolation, not the distance of the engine from a real gel. Without ``--low`` the
 pad is a coarse one of 143 surface nodes. Plays are kept in TACTILEDATA_CACHE.
 
 With ``--all-plays`` every play that the calibration estimates is made as well, and the same touches are fitted again:
-by how much E, nu and mu move, in widths of their 95 % intervals.
+by how much E, nu and mu move, in widths of their 95 % intervals. With ``--uncorrected`` each seed is also fitted
+without the correction by plays at the optimum: errors of both ways in standard errors, about quarters of an interval.
 """
 
 from __future__ import annotations
@@ -22,11 +23,11 @@ from tactiledata.calibrate.calibrate import Calibration, calibrate_measured
 from tactiledata.calibrate.corrected_fit import corrected_fit
 from tactiledata.calibrate.coverage import coverage
 from tactiledata.calibrate.experiment import Experiment, assemble
-from tactiledata.calibrate.fit import vector_loss
+from tactiledata.calibrate.fit import Fit, fit, vector_loss
 from tactiledata.calibrate.measured import Measured
 from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.calibrate.plan import ResponsePlan
-from tactiledata.calibrate.plays.player import play_at, play_plan_beside
+from tactiledata.calibrate.plays.player import play_at, play_plan, play_plan_beside
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.compute import make_scheduler
 from tactiledata.gel.contact.history import GelTouch
@@ -97,6 +98,20 @@ def moved_by_estimates(done: Calibration) -> str:
     )
 
 
+def uncorrected(done: Calibration) -> Fit:
+    """Return the fit of the same touches whose interpolated forces are not corrected by plays at the optimum."""
+    plan = ResponsePlan.of(done.bounds)
+    touches, options = done.measured.touches, done.options
+    experiment = assemble(touches, plan, play_plan(done.measured.mesh, options.mechanics, touches, plan).by_node())
+    assert isinstance(experiment, Experiment), "a touch cannot be solved for"
+    return fit(experiment, done.measured.noise, done.bounds, options)
+
+
+def in_standard_errors(found: Fit, truth: np.ndarray) -> np.ndarray:
+    """Return the errors (3,) of E, nu and mu over a quarter of their 95 % intervals."""
+    return (found.parameters - truth) / (np.diff(found.intervals.ends, axis=1)[:, 0] / (2 * 1.96))
+
+
 def main() -> None:
     """Print errors by seed, then coverage."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -107,6 +122,7 @@ def main() -> None:
     parser.add_argument("--fidelity", default="linear")
     parser.add_argument("--low", action="store_true", help="the low-resolution pad instead of the coarse one")
     parser.add_argument("--all-plays", action="store_true", help="fit again with every play made")
+    parser.add_argument("--uncorrected", action="store_true", help="fit without the correction as well")
     asked = parser.parse_args()
     seeds, draws, count = (2, 3, 8) if asked.quick else (asked.seeds, asked.draws, asked.trajectories)
     mesh = pad_mesh("digit", DIGIT.gel) if asked.low else structured_pad("digit-coarse", DIGIT.gel, COARSE)
@@ -137,6 +153,16 @@ def main() -> None:
     for k, name in enumerate(("vector", "norm")):
         print(f"{name}: |error| median, largest, %: {np.median(table[:, k], axis=0)}, {table[:, k].max(axis=0)}")
     print(f"95 % intervals that hold the truth: {np.mean(held, axis=0)}")
+    if asked.uncorrected:
+        ways = {
+            "corrected": [done.fit for done, _ in runs],
+            "without correction": [uncorrected(done) for done, _ in runs],
+        }
+        for words, fits in ways.items():
+            off = np.array([in_standard_errors(one, truth) for one, (_, truth) in zip(fits, runs, strict=True)])
+            rms, mean = np.sqrt(np.mean(off**2, axis=0)).round(2), off.mean(axis=0).round(2)
+            held_by = np.mean(np.abs(off) <= 1.96, axis=0).round(2)
+            print(f"{words}: errors in standard errors, rms {rms}, mean {mean}; within 1.96: {held_by}")
     done, truth = runs[0]
     began = time.perf_counter()
     loss = vector_loss(done.experiment, NOISE, done.fit.fitted, 4e-5, done.options.shape_share)
