@@ -7,7 +7,7 @@ fit is done again. What is left is the error of slopes, and of the solver's tole
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from tactiledata.calibrate.fit import Fit, fit
 from tactiledata.calibrate.measured import Measured
 from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.calibrate.plays.player import play_at
+from tactiledata.calibrate.response import Response
 from tactiledata.compute.base import Scheduler
 
 MOST_CORRECTIONS = 2
@@ -76,15 +77,34 @@ def corrected_fit(
         # rounded to nanometres, so that a fit repeated elsewhere finds the same kept plays
         offsets = np.round(optimum.offsets, 9)
         plays = play_at(measured.mesh, options.mechanics, experiment.touches, ratio, friction, offsets, runner)
-        difference = experiment.rows([play.wrench for play in plays]) - experiment.at(ratio, friction, offsets)
+        response = experiment.response
+        difference = experiment.rows([play.wrench for play in plays]) - interpolated(response, ratio, friction, offsets)
         error = _size(modulus * difference)
-        experiment = experiment.shifted(np.where(np.isfinite(difference), difference, 0.0))
+        # the difference is taken to be the same at every nu and mu
+        shifted = response.level + np.where(np.isfinite(difference), difference, 0.0)
+        experiment = replace(experiment, response=replace(response, level=shifted))
         before, optimum = optimum, fit(experiment, measured.noise, bounds, options)
         widths = np.diff(optimum.intervals.ends, axis=1)[:, 0]
         if np.all(np.abs(optimum.parameters - before.parameters) <= SETTLED * widths):
             break
     modulus, ratio, friction = (float(value) for value in optimum.parameters)
-    return CorrectedFit(optimum, experiment, modulus * experiment.at(ratio, friction, optimum.offsets), error)
+    wrenches = modulus * interpolated(experiment.response, ratio, friction, optimum.offsets)
+    return CorrectedFit(optimum, experiment, wrenches, error)
+
+
+def interpolated(response: Response, ratio: float, friction: float, offsets: Array) -> Array:
+    """Return the wrenches (n, 6) over Young's modulus, m^2 and m^3, of touches at their own contact offsets.
+
+    Parameters
+    ----------
+    response : Response
+        Of n frames of t touches.
+    ratio, friction : float
+        Poisson's ratio and coefficient of friction of the gel.
+    offsets : (t,) m
+        By how much each indenter is deeper than recorded.
+    """
+    return response.at(ratio, friction).at(np.repeat(offsets, response.counts))
 
 
 def _size(difference: Array) -> tuple[float, float]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,22 +54,6 @@ class Experiment:
     def rows(self, wrenches: Sequence[Array]) -> Array:
         """Rows (n, 6) of the frames that take part, from one wrench array (frames, 6) for each touch."""
         return np.concatenate([wrench[kept] for wrench, kept in zip(wrenches, self.frames, strict=True)])
-
-    def at(self, ratio: float, friction: float, offsets: Array) -> Array:
-        """Simulated wrenches (n, 6) over Young's modulus, m^2 and m^3, each touch at its own contact offset.
-
-        Parameters
-        ----------
-        ratio, friction : float
-            Poisson's ratio and coefficient of friction of the gel.
-        offsets : (t,) m
-            By how much each indenter is deeper than recorded.
-        """
-        return self.response.at(ratio, friction).at(np.repeat(offsets, self.response.counts))
-
-    def shifted(self, difference: Array) -> Experiment:
-        """Return this experiment with a difference (n, 6), m^2 and m^3, added to its response at every nu and mu."""
-        return replace(self, response=replace(self.response, level=self.response.level + difference))
 
 
 def assemble(

@@ -8,7 +8,7 @@ from closed_form import FRAMES, NOISE, TRUTH, ClosedFormWorld
 
 from tactiledata.calibrate import corrected_fit as under_test
 from tactiledata.calibrate.bounds import find_bounds
-from tactiledata.calibrate.corrected_fit import MOST_CORRECTIONS, corrected_fit
+from tactiledata.calibrate.corrected_fit import MOST_CORRECTIONS, corrected_fit, interpolated
 from tactiledata.calibrate.fit import fit
 from tactiledata.calibrate.measured import Measured
 from tactiledata.calibrate.options import CalibrationOptions
@@ -66,7 +66,9 @@ def test_the_error_that_is_told_is_that_of_the_interpolated_forces(world, monkey
     experiment = distorted(world, 0.03)
     first = fit(experiment, NOISE, PAPER, OPTIONS)
     modulus, ratio, friction = first.parameters
-    away = experiment.at(ratio, friction, first.offsets) - world.wrench(ratio, friction, first.offsets)
+    away = interpolated(experiment.response, ratio, friction, first.offsets) - world.wrench(
+        ratio, friction, first.offsets
+    )
     sizes = modulus * np.linalg.norm(away[:, :3], axis=1)
     expected = (np.sqrt(np.mean(sizes**2)), sizes.max())
     assert fitted(world, experiment).interpolation_error == pytest.approx(expected, rel=1e-3)
