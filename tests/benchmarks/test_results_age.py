@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
+from parsed_sources import tree_of
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -105,3 +106,40 @@ def test_digests_at_a_commit_are_those_of_its_files(age):
         pytest.skip("no clone, or the file is changed")
     assert age.digest_at("HEAD", path) == age.digest_now(path)
     assert age.digest_at("HEAD", "benchmarks/nowhere.py") != age.digest_now(path)
+
+
+def test_a_section_that_names_modules_of_the_calibration_names_all_that_it_reaches(age):
+    """A diagnosis rests on some modules of the calibration: a section lists all that its script imports, or the room.
+
+    The front door of the package counts for nothing: it imports what somebody asks it for.
+    """
+    room = "tactiledata/calibrate"
+    sections = [one for one in age.listed() if any(path.startswith(f"{room}/") for path in one["depends"])]
+    assert sections
+    for one in sections:
+        scripts = [path for path in one["depends"] if path.startswith("benchmarks/")]
+        for path in [path for path in reached(scripts) if path.startswith(f"{room}/")]:
+            is_named = any(path == named or path.startswith(f"{named}/") for named in one["depends"])
+            assert is_named, f"{one['heading']}: {path}"
+
+
+def reached(scripts):
+    """Modules of the toolkit that scripts import, directly or by others, as paths from the root; packages left out."""
+    seen, todo = set(), [ROOT / script for script in scripts]
+    while todo:
+        path = todo.pop()
+        if path in seen or path == ROOT / "tactiledata" / "__init__.py":
+            continue
+        seen.add(path)
+        for node in ast.walk(tree_of(path)):
+            if isinstance(node, ast.Import):
+                names = [alias.name for alias in node.names]
+            elif isinstance(node, ast.ImportFrom):
+                names = [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
+            else:
+                continue
+            places = [folder / name.replace(".", "/") for name in names for folder in (ROOT, ROOT / "benchmarks")]
+            todo += [
+                file for place in places for file in (place.with_suffix(".py"), place / "__init__.py") if file.is_file()
+            ]
+    return [path.relative_to(ROOT).as_posix() for path in sorted(seen) if path.name != "__init__.py"]
