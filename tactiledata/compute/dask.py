@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import socket
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -14,6 +15,8 @@ from tactiledata.errors import TactileDataError, UsageError
 
 CONNECT_TIMEOUT = 20.0
 """Seconds to wait for the scheduler to answer."""
+STARTING_TIMEOUT = 3.0
+"""Seconds to wait where the machine answers, but nobody listens at the port: a scheduler may be starting."""
 WORKER_TIMEOUT = 60.0
 """Seconds to wait for a first worker, and for another one once all are lost."""
 LOOK_AGAIN = 5.0
@@ -65,8 +68,9 @@ class DaskScheduler(Scheduler):
         except ImportError as error:
             raise missing_package("distributed", "--scheduler") from error
         try:
-            get_address_host_port(self.address)  # a client of an address that is none would not end by itself
-            client = Client(self.address, timeout=CONNECT_TIMEOUT, set_as_default=False)
+            # a client of an address that is none would not end by itself
+            timeout = _patience(*get_address_host_port(self.address))
+            client = Client(self.address, timeout=timeout, set_as_default=False)
         except (OSError, TimeoutError, ValueError) as error:
             raise UsageError(
                 f"no Dask scheduler answers at {self.address!r} ({error})",
@@ -139,6 +143,21 @@ class DaskScheduler(Scheduler):
                     "Most often they ran out of memory, or their machines were taken back. Start new ones, and run the "
                     "command again to go on; finished tasks are kept.",
                 )
+
+
+def _patience(host: str, port: int) -> float:
+    """Seconds to wait for a scheduler: few where the machine says that nobody listens.
+
+    Raises
+    ------
+    OSError
+        There is no such machine, or it does not answer.
+    """
+    try:
+        socket.create_connection((host, port), CONNECT_TIMEOUT).close()
+    except ConnectionRefusedError:
+        return min(STARTING_TIMEOUT, CONNECT_TIMEOUT)
+    return CONNECT_TIMEOUT
 
 
 @contextmanager

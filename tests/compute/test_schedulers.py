@@ -9,6 +9,7 @@ import time
 import pytest
 
 from tactiledata.compute import SCHEDULERS, make_scheduler
+from tactiledata.compute.dask import CONNECT_TIMEOUT
 from tactiledata.errors import BrokenLog, TactileDataError, UsageError
 
 
@@ -94,6 +95,17 @@ def test_absent_dask_scheduler_is_a_usage_error(monkeypatch):
     monkeypatch.setattr("tactiledata.compute.dask.CONNECT_TIMEOUT", 0.5)
     with pytest.raises(UsageError, match="no Dask scheduler answers"):
         list(SCHEDULERS["dask"]("tcp://127.0.0.1:9").outcomes(halve, range(2)))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "tcp://no-such-machine.invalid:8786"])
+def test_where_nobody_listens_nobody_waits_long(address):
+    """A refused connection and an unknown machine are told within seconds, not after the time of a slow network."""
+    pytest.importorskip("distributed")
+    began = time.monotonic()
+    with pytest.raises(UsageError, match="no Dask scheduler answers"):
+        list(SCHEDULERS["dask"](address).outcomes(halve, range(2)))
+    assert time.monotonic() - began < 0.8 * CONNECT_TIMEOUT
 
 
 @pytest.mark.parametrize("address", ["nonsense", "tcp://127.0.0.1", "http://127.0.0.1:8786"])
