@@ -1,7 +1,7 @@
 """Calibration: seeds end to end, and coverage of the 95 % intervals on surrogate data.
 
     python benchmarks/calibration.py [--quick] [--seeds 20] [--draws 200] [--fidelity linear|finite-strain] [--low]
-                                     [--all-plays] [--uncorrected]
+                                     [--all-plays] [--uncorrected] [--workers 2]
 
 Every seed draws its own touches, truth, offsets, zeros and noise; the engine itself plays the truth, so what is
 measured is the statistics and the interpolation, not the distance of the engine from a real gel. Without ``--low`` the
@@ -121,6 +121,7 @@ def main() -> None:
     parser.add_argument("--trajectories", type=int, default=25)
     parser.add_argument("--fidelity", default="linear")
     parser.add_argument("--low", action="store_true", help="the low-resolution pad instead of the coarse one")
+    parser.add_argument("--workers", type=int, default=1, help="processes that simulate")
     parser.add_argument("--all-plays", action="store_true", help="fit again with every play made")
     parser.add_argument("--uncorrected", action="store_true", help="fit without the correction as well")
     asked = parser.parse_args()
@@ -132,7 +133,9 @@ def main() -> None:
         measured, truth = world(seed, count, mesh, asked.fidelity)
         row = []
         for loss in ("vector", "norm"):
-            options = CalibrationOptions(loss=loss, fidelity=asked.fidelity, hold_out=0.0, seed=seed)
+            options = CalibrationOptions(
+                loss=loss, fidelity=asked.fidelity, hold_out=0.0, seed=seed, workers=asked.workers
+            )
             began = time.perf_counter()
             done = calibrate_measured(measured, options, "0" * 64)
             row.append(done.fit.parameters / truth - 1)
