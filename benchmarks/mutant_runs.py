@@ -22,7 +22,8 @@ LIBRARIES = (
 )  # fmt: skip
 """What tests import most: loaded once, before the forks."""
 
-
+PROJECT = ("tactiledata", "split_models")
+"""Packages of which the copy is tested."""
 BROKEN = 99
 """Exit code of a run that raised outside of pytest."""
 
@@ -130,6 +131,9 @@ def _run_pytest(place: Path, chosen: list[str], recorder: Any, first_failure: Fi
         os.dup2(file.fileno(), 2)
     os.chdir(place)
     sys.path.insert(0, str(place))
+    # what this process loaded of the project is that of the repository, not that of the copy
+    for name in [name for name in sys.modules if name.partition(".")[0] in PROJECT]:
+        del sys.modules[name]
     os.environ |= {"PYTHONPATH": str(place), "PYTHONDONTWRITEBYTECODE": "1"}
     import pytest
 

@@ -150,6 +150,8 @@ def main() -> None:
     sources = [file for package in PACKAGES for file in files_of(package)]
     copy = Copy(ROOT, options.work / f"copy-{'-'.join(options.packages)}")
     tests = TestMap.measured(copy.place, test_files(options.tests), sources, options.work / "tests")
+    if not any(tests.lines.values()):
+        parser.error(f"no fast test of {', '.join(options.tests)} runs a line of {', '.join(options.packages)}")
     commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True)
     only = changed_lines(ROOT, options.since) if options.since else None
     rows, everything = [], []
