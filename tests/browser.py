@@ -11,7 +11,13 @@ import cv2
 import numpy as np
 
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-OPTIONS = ("--headless=new", "--no-sandbox", "--remote-debugging-port=0", "--hide-scrollbars")
+OPTIONS = (
+    "--headless=new",
+    "--no-sandbox",
+    "--disable-dev-shm-usage",
+    "--remote-debugging-port=0",
+    "--hide-scrollbars",
+)
 DESKTOP, PHONE = 1280, 400
 """Widths of a window, px."""
 
