@@ -1,5 +1,6 @@
 """Files of tensors: what is read, and why a file is refused, from pickles written byte by byte."""
 
+import os
 import pickle
 import struct
 import zipfile
@@ -63,6 +64,24 @@ def test_a_refusal_names_the_file_and_hides_what_pytorch_said(tmp_path):
     assert caught.value.facts["path"] == str(path)
     assert caught.value.__cause__ is None
     assert caught.value.__suppress_context__
+
+
+class Leaver:
+    """What makes a folder when it is unpickled."""
+
+    def __init__(self, place):
+        self.place = place
+
+    def __reduce__(self):
+        return os.mkdir, (str(self.place),)
+
+
+def test_code_in_a_file_is_not_run(tmp_path):
+    """A file as PyTorch writes it, whose object would make a folder: it is refused, and there is no folder."""
+    torch.save({"weights": Leaver(tmp_path / "made")}, tmp_path / "x.pt")
+    with pytest.raises(CheckpointError, match="which is code"):
+        read_tensors(tmp_path / "x.pt", "cannot be read", CheckpointError)
+    assert not (tmp_path / "made").exists()
 
 
 def test_what_the_system_refuses_is_said_in_its_words(tmp_path):

@@ -1,5 +1,7 @@
 """Intervals that the binomial distribution foretells, what is counted, and what is refused."""
 
+from dataclasses import FrozenInstanceError
+
 import numpy as np
 import pytest
 
@@ -105,3 +107,9 @@ def test_what_has_no_mean_is_refused(values, names, words):
     """Values that are none, all NaN, one number, of other lengths or without a statistic are refused."""
     with pytest.raises(UsageError, match=words):
         bootstrap(values, names)
+
+
+def test_an_interval_that_was_found_stays():
+    """No field of an interval can be set anew."""
+    with pytest.raises(FrozenInstanceError):
+        bootstrap(ONE_IN_FIVE, list("abcde")).value = 0.0

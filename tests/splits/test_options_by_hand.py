@@ -133,7 +133,7 @@ def test_names_have_64_characters_at_most():
             check_name(wrong)
 
 
-@pytest.mark.parametrize(("units", "held"), [(1, 0), (3, 0), (4, 1), (7, 1), (8, 2), (12, 2), (13, 3), (20, 4)])
+@pytest.mark.parametrize(("units", "held"), [(1, 0), (2, 0), (3, 0), (4, 1), (7, 1), (8, 2), (12, 2), (13, 3), (20, 4)])
 def test_a_fifth_of_four_units_or_more_is_held_out(units, held):
     """Rounded, at least one; fewer than four units are all needed, as is said; one alone cannot be held out."""
     rows = [{"source": k, "sensor": f"s{k % units}"} for k in range(40)]

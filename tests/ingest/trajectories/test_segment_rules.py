@@ -38,6 +38,9 @@ def test_a_contact_of_fifty_milliseconds_is_a_touch():
     assert contact_spans(t_ns, force, 0.0) == []
     assert spans((100, 200), (500, 600)) == [(100, 200), (500, 600)]
     assert spans((100, 200), (499, 600)) == [(100, 600)]
+    t_ns, force = forces((100, 200), (500, 600))
+    t_ns[500:] -= 1
+    assert len(contact_spans(t_ns, force, 0.0)) == 1
     assert spans((100, 200), (1000, 1100), (1200, 1300)) == [(100, 200), (1000, 1300)]
     assert spans((100, 101), (399, 400), (698, 699), (1500, 1600)) == [(100, 699), (1500, 1600)]
 
