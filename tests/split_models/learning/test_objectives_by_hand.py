@@ -57,6 +57,15 @@ def test_emphasis_multiplies_the_squared_errors():
     assert numbers(found) == pytest.approx({"loss": 10.0, "error": 10.0, "divergence": 0.0})
 
 
+def test_gradients_of_the_difference_count_by_their_weight():
+    """A ramp of 1, 3 wanted and 2, 7 drawn: squares (1 + 16) / 2, and 5 times the one step of 3 along the row."""
+    drawn, wanted = torch.tensor([[[[2.0, 7.0]]]]), torch.tensor([[[[1.0, 3.0]]]])
+    nothing = torch.zeros(1, 2)
+    two_rows = [torch.cat([row, row], dim=-2) for row in (drawn, wanted)]
+    losses = vae_losses((two_rows[0], nothing, nothing), two_rows[1], 0.0, gradient_weight=5.0)
+    assert losses["loss"].item() == pytest.approx(8.5 + 5 * 3)
+
+
 def test_only_the_loss_has_a_gradient():
     """Its parts are for tables: nothing is learned from them."""
     mean = torch.ones(2, 1, requires_grad=True)
