@@ -146,7 +146,7 @@ class DaskScheduler(Scheduler):
 
 
 def _patience(host: str, port: int) -> float:
-    """Seconds to wait for a scheduler: few where the machine says that nobody listens.
+    """Return for how many seconds a client tries to reach a scheduler: few if the machine refuses the connection.
 
     Raises
     ------

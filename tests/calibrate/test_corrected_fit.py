@@ -85,7 +85,7 @@ def test_a_fit_that_moves_is_corrected_again_and_one_that_stays_is_not(world):
 
 
 def test_a_frame_that_cannot_be_solved_is_not_corrected(world, monkeypatch):
-    """Where the play at the optimum lacks a frame, its response stays; without any play there is no error to tell."""
+    """A frame that the play at the optimum did not solve keeps its response; if none is solved, both errors are NaN."""
 
     def play(mesh, mechanics, touches, ratio, friction, offsets, runner):
         unsolved = np.full(FRAMES, FrameStatus.NOT_CONVERGED, np.int8)

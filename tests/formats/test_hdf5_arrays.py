@@ -100,7 +100,7 @@ def test_columns_and_single_arrays_are_fields(made, entry, values):
 @pytest.mark.parametrize("entry", [{"topic": "apart", "fields": list("abcdef")},
                                    {"topic": "/", "fields": [f"apart/{name}" for name in "abcdef"]}])  # fmt: skip
 def test_arrays_that_are_fields_count_as_read(made, entry):
-    """Of a group, the arrays that are fields are read, and the others are listed as not read."""
+    """Only arrays of an HDF5 group that the mapping names as fields are read; a finding lists the others by name."""
     path, arrays = made
     write(path, arrays, **{f"apart/{name}": np.zeros(40) for name in "abcdefg"})
     [(recording, _)] = read(FORMAT, path, changed("signals", "wrench", **entry))
