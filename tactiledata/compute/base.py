@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar, cast
 
@@ -60,9 +61,17 @@ class Scheduler(ABC):
             worker, which bounds memory; where results are small, more keep workers busy behind a slow task.
         """
 
+    def kept_open(self) -> AbstractContextManager[Scheduler]:
+        """Return a block within which the workers of one run serve the next, where they would be started anew."""
+        return nullcontext(self)
+
 
 def in_order(
-    tasks: Sequence[T], begin: Callable[[T], Any], end: Callable[[T, Any], Outcome[T, R]], ahead: int
+    tasks: Sequence[T],
+    begin: Callable[[T], Any],
+    end: Callable[[T, Any], Outcome[T, R]],
+    ahead: int,
+    drop: Callable[[Any], object] = lambda begun: None,
 ) -> Iterator[Outcome[T, R]]:
     """Yield the outcome of each task in order, while a limited number of tasks is under way.
 
@@ -76,14 +85,20 @@ def in_order(
         Waits for the outcome of a task, from the task and what stands for its outcome.
     ahead : int
         Largest number of tasks under way.
+    drop : callable
+        Called with what stands for the outcome of each task that is still under way when the reader stops.
     """
     waiting: deque[tuple[T, Any]] = deque()
-    for task in tasks:
-        waiting.append((task, begin(task)))
-        if len(waiting) >= ahead:
+    try:
+        for task in tasks:
+            waiting.append((task, begin(task)))
+            if len(waiting) >= ahead:
+                yield end(*waiting.popleft())
+        while waiting:
             yield end(*waiting.popleft())
-    while waiting:
-        yield end(*waiting.popleft())
+    finally:
+        for _, begun in waiting:
+            drop(begun)
 
 
 def attempt(function: Callable[[Any], Any], task: Any) -> Outcome[Any, Any]:

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from typing import Any
 
 from tactiledata.compute.base import Outcome, R, Scheduler, T, attempt, in_order
 from tactiledata.contract.worker_pool import worker_died, worker_pool
-from tactiledata.errors import UsageError
+from tactiledata.errors import TactileDataError, UsageError
 
 
 class LocalScheduler(Scheduler):
@@ -25,6 +26,7 @@ class LocalScheduler(Scheduler):
         if workers < 1:
             raise UsageError(f"{workers} workers", "at least 1", "Leave --workers out to run in one process.")
         self.workers = workers
+        self._pool: ProcessPoolExecutor | None = None
 
     def outcomes(
         self, function: Callable[[T], R], tasks: Sequence[T], ahead: int | None = None
@@ -44,10 +46,41 @@ class LocalScheduler(Scheduler):
             for task in tasks:
                 yield attempt(function, task)
             return
-        with worker_pool(self.workers) as pool:
+        with self._lent() as pool:
             yield from in_order(
-                tasks, lambda task: _submitted(pool, function, task), _collect, max(ahead or 0, 2 * self.workers)
+                tasks,
+                lambda task: _submitted(pool, function, task),
+                _collect,
+                max(ahead or 0, 2 * self.workers),
+                Future.cancel,
             )
+
+    @contextmanager
+    def kept_open(self) -> Iterator[Scheduler]:
+        """Yield this scheduler; its processes start once for all runs within the block, and end with it."""
+        if self.workers == 1:
+            yield self
+            return
+        with worker_pool(self.workers) as pool:
+            self._pool = pool
+            try:
+                yield self
+            finally:
+                self._pool = None
+
+    @contextmanager
+    def _lent(self) -> Iterator[ProcessPoolExecutor]:
+        """Yield the pool that is kept open, or one of this run; a pool whose worker died is not used again."""
+        if self._pool is None:
+            with worker_pool(self.workers) as pool:
+                yield pool
+            return
+        try:
+            yield self._pool
+        except TactileDataError as error:
+            if isinstance(error.__cause__, BrokenProcessPool):
+                self._pool = None
+            raise
 
 
 def _submitted(pool: ProcessPoolExecutor, function: Callable[[Any], Any], task: Any) -> Future[Outcome[Any, Any]]:

@@ -8,6 +8,7 @@ from tactiledata.calibrate.measured import read_measured
 from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.calibrate.plays.learned_plays import example_touches
 from tactiledata.compute import make_scheduler
+from tactiledata.compute.base import Scheduler
 from tactiledata.compute.threads import one_thread
 from tactiledata.contract.extras import need_packages
 from tactiledata.contract.progress import Progress, no_progress
@@ -16,7 +17,7 @@ from tactiledata.diagnose.answer.other_steps import materials_of_meshes
 from tactiledata.diagnose.answer.sentences import Answer, preview_words
 from tactiledata.diagnose.formula.explain import explain
 from tactiledata.diagnose.naming.full_plays import named_with_full_plays
-from tactiledata.diagnose.naming.joint_fit import KeptFits
+from tactiledata.diagnose.naming.kept_fits import KeptFits
 from tactiledata.diagnose.naming.name_effects import NamingResult, name_effects, with_profiles
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.next_trial.limits import limits
@@ -73,15 +74,29 @@ def diagnose_store(
         The store is damaged; too few trajectories can be used, and the message counts the reasons; or scikit-learn is
         not installed.
     """
-    # check and read
     need_packages("a diagnosis", "sklearn")
+    with make_scheduler(options.workers, options.scheduler).kept_open() as runner:
+        return _diagnosed(store, options, runner, play_progress, step_progress, first_answer, preview)
+
+
+def _diagnosed(
+    store: Store,
+    options: DiagnosisOptions,
+    runner: Scheduler,
+    play_progress: Progress,
+    step_progress: Callable[[str], None],
+    first_answer: Callable[[str], None],
+    preview: Callable[[str], None] | None,
+) -> StoreDiagnosis:
+    """Return the diagnosis, with plays, refits and intervals on a scheduler; for the others see `diagnose_store`."""
+    # check and read
     need_sound_values(store, [name for name in store.signal_names if name.partition("@")[0] in READ])
     calibration = options.calibration()
     opened = OpenedStore.planned(store, calibration.pads, calibration.indenter_folder)
     errors = NumericalErrors.of(options.fidelity)
 
     def play(full: frozenset[GelVariant]) -> StoreTouches:
-        return store_touches(opened, calibration, play_progress, full)
+        return store_touches(opened, calibration, play_progress, full, runner=runner)
 
     def candidates_of(played: StoreTouches) -> tuple[str, ...]:
         return tuple(name for name in played.effects if not options.effects or name in options.effects)
@@ -90,16 +105,16 @@ def diagnose_store(
         naming_options = NamingOptions(
             effects=candidates_of(played), errors=errors, pairs=options.pairs, seed=options.seed, profile=False
         )
-        return name_effects(played.touch_set, played.start, naming_options, step_progress, kept)
+        return name_effects(played.touch_set, played.start, naming_options, step_progress, kept, runner)
 
     # what the examples tell, whose plays come first
     if preview is not None and options.fidelity == "finite-strain":
-        _preview(opened, calibration, play_progress, name, preview)
+        _preview(opened, calibration, play_progress, name, preview, runner)
     # name what is missing
     played, naming, full_plays = named_with_full_plays(play, name, lambda naming: first_answer(Answer(naming).what[0]))
     candidates = candidates_of(played)
     with one_thread():
-        naming = with_profiles(naming, step_progress, make_scheduler(options.workers, options.scheduler))
+        naming = with_profiles(naming, step_progress, runner)
         # compare on data that had no part in the fit
         shown = show(naming, options.seed, step_progress)
         # a formula where no known effect explains what is missing
@@ -145,6 +160,7 @@ def _preview(
     play_progress: Progress,
     name: Callable[[StoreTouches], NamingResult],
     tell: Callable[[str], None],
+    runner: Scheduler,
 ) -> None:
     """Tell what the touches show from which plays of the others are learned, if there are others.
 
@@ -163,13 +179,15 @@ def _preview(
         Names the effects that the simulation of touches lacks.
     tell : callable
         Called with a sentence or two, or with the reason why there are none.
+    runner : Scheduler
+        Where touches are played.
     """
     drawn = read_measured(opened, calibration).touches
     examples = [drawn[place].uid for place in example_touches([touch.touch for touch in drawn])]
     if len(examples) == len(drawn):
         return
     try:
-        played = store_touches(opened, calibration, play_progress, only=examples, estimates="rough")
+        played = store_touches(opened, calibration, play_progress, only=examples, estimates="rough", runner=runner)
         tell(preview_words(name(played), len(drawn)))
     except TactileDataError as error:
         tell(f"There is no preview: {error.found}.")

@@ -76,6 +76,61 @@ def test_a_worker_that_dies_is_named():
         list(SCHEDULERS["local"](2).outcomes(die, range(8)))
 
 
+def process_of(number):
+    return os.getpid()
+
+
+@pytest.mark.slow
+def test_processes_that_are_kept_open_serve_every_run():
+    """Within the block two runs have the same processes, which end with it; before and after, each run has its own."""
+    runner = SCHEDULERS["local"](2)
+
+    def processes():
+        return {outcome.value for outcome in runner.outcomes(process_of, range(40))}
+
+    with runner.kept_open() as kept:
+        assert kept is runner
+        together = processes() | processes()
+        check(list(runner.outcomes(halve, range(10))))
+    assert len(together) <= 2
+    assert os.getpid() not in together
+    assert not processes() & together
+    for process in together:
+        with pytest.raises(ProcessLookupError):
+            os.kill(process, 0)
+    with make_scheduler(1).kept_open() as alone:
+        assert {outcome.value for outcome in alone.outcomes(process_of, range(3))} == {os.getpid()}
+
+
+@pytest.mark.slow
+def test_a_run_after_a_worker_died_has_processes_again():
+    """A worker that is killed ends its run with advice; the next run within the block starts processes of its own."""
+    runner = SCHEDULERS["local"](2)
+    with runner.kept_open():
+        with pytest.raises(TactileDataError, match="memory"):
+            list(runner.outcomes(die, range(8)))
+        check(list(runner.outcomes(halve, range(10))))
+
+
+def slow_mark(task):
+    number, folder = task
+    time.sleep(0.2)
+    (folder / str(number)).touch()
+    return number
+
+
+@pytest.mark.slow
+def test_tasks_that_nobody_waits_for_any_more_are_not_begun(tmp_path):
+    """Where a reader stops, processes that are kept open drop what they have not begun."""
+    runner = SCHEDULERS["local"](2)
+    with runner.kept_open():
+        run = runner.outcomes(slow_mark, [(number, tmp_path) for number in range(40)], 40)
+        assert next(run).value == 0
+        run.close()
+        assert [outcome.value for outcome in runner.outcomes(halve, [4, 6])] == [2, 3]
+    assert len(list(tmp_path.iterdir())) < 12
+
+
 def test_zero_workers_is_refused():
     """Zero workers is a usage error."""
     with pytest.raises(UsageError, match="at least 1"):

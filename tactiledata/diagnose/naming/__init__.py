@@ -10,7 +10,8 @@ Read in this order:
    `error_sizes`: how large these errors are, for each indenter, from the data at hand.
    `own_error_sizes`: how large those of single touches are, and which touches do not belong to the others; these
    stay in the fit and are named.
-   `refit`: which effects and pairs of effects are fitted in this way.
+   `refit`: which effects and pairs of effects are fitted in this way. `kept_fits`: fits that are made once, and
+   several at a time.
 5. `held_out`: how well fits predict data they have not seen. `remaining_structure`: whether the best fit leaves more
    than noise.
 6. `agreement`: how well trajectories agree on an effect, and whether its strength changes with time. `evidence`:

@@ -15,7 +15,7 @@ from typing import Protocol, TypeVar
 import numpy as np
 
 from tactiledata.arrays import Array
-from tactiledata.diagnose.naming.joint_fit import KeptFits
+from tactiledata.diagnose.naming.kept_fits import KeptFits
 from tactiledata.diagnose.naming.name_effects import NamingResult
 from tactiledata.diagnose.touches.grid_answer import TouchPlays
 from tactiledata.diagnose.touches.variant_plays import design_variants

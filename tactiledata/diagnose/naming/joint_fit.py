@@ -6,7 +6,7 @@ twice the negative logarithm of the posterior density up to a constant.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -300,42 +300,3 @@ def plain_fit(
     """
     errors = len(whitened.simulation_errors)
     return fitted(whitened, joint_model(material, [], len(whitened.starts), errors, box=whitened.touch_set.box))
-
-
-class KeptFits:
-    """Fits that are made once, each kept by all that it depends on but the trajectories.
-
-    Where trajectories differ, or how they are simulated, the fits that this changes are to be forgotten.
-    """
-
-    def __init__(self) -> None:
-        self._fits: dict[bytes, JointFit] = {}
-
-    def joint_fit(
-        self,
-        whitened: WhitenedTouches,
-        start: JointModel,
-        held: Iterable[int] = (),
-        rounds: int = ROUNDS,
-        to_beat: float = np.inf,
-    ) -> JointFit:
-        """Return what the function `joint_fit` returns: made before, or now.
-
-        Parameters
-        ----------
-        whitened, start, held, rounds, to_beat
-            As of that function; its errors as well.
-        """
-        held = sorted(held)
-        model = start.material, start.settings, start.coordinates, start.box
-        key = repr((model, whitened.errors, whitened.own, held, rounds, to_beat)).encode()
-        for numbers in (start.offsets, start.errors, whitened.trust, whitened.simulated):
-            key += b"-" if numbers is None else numbers.tobytes()
-        if key not in self._fits:
-            self._fits[key] = joint_fit(whitened, start, held, rounds, to_beat)
-        return self._fits[key]
-
-    def forget(self, effects: Collection[str] | None = None) -> None:
-        """Forget the fits that have one of these effects; all fits where ``None``."""
-        kept = {} if effects is None else self._fits
-        self._fits = {key: fit for key, fit in kept.items() if not set(fit.names) & set(effects or ())}

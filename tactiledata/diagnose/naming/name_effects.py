@@ -9,6 +9,7 @@ import numpy as np
 
 from tactiledata.arrays import Array
 from tactiledata.compute.base import Scheduler
+from tactiledata.compute.local import LocalScheduler
 from tactiledata.compute.threads import one_thread
 from tactiledata.diagnose.naming.decide import Decision
 from tactiledata.diagnose.naming.error_sizes import (
@@ -27,7 +28,8 @@ from tactiledata.diagnose.naming.intervals import (
     intervals,
     profiled_intervals,
 )
-from tactiledata.diagnose.naming.joint_fit import JointFit, KeptFits, plain_fit
+from tactiledata.diagnose.naming.joint_fit import JointFit, plain_fit
+from tactiledata.diagnose.naming.kept_fits import KeptFits
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.naming.own_error_sizes import OddTouch, odd_touches, with_estimated_own_sizes
 from tactiledata.diagnose.naming.refit import Refits
@@ -90,6 +92,7 @@ def name_effects(
     options: NamingOptions | None = None,
     progress: Callable[[str], None] = lambda text: None,
     kept: KeptFits | None = None,
+    runner: Scheduler | None = None,
 ) -> NamingResult:
     """Return which known effect the simulation lacks, with all fits that led to the answer.
 
@@ -105,6 +108,8 @@ def name_effects(
         Called with a few words at the beginning of each step.
     kept : KeptFits, optional
         Fits of an earlier naming of these trajectories, which are not made again; those of this one are added.
+    runner : Scheduler, optional
+        Where several refits are made at a time; in this process where ``None``. The answer does not depend on it.
 
     Raises
     ------
@@ -126,7 +131,8 @@ def name_effects(
     # screen and refits of single effects, with smaller errors of the simulation where an effect explains these
     names, not_tried = playable(whitened, chosen.effects)
     progress("screen")
-    tried = _with_smaller_errors(_tried(Refits(whitened, base, chosen, progress, kept=kept), names), names)
+    refits = Refits(whitened, base, chosen, progress, kept=kept, runner=runner or LocalScheduler())
+    tried = _with_smaller_errors(_tried(refits, names), names)
     whitened, base = tried.refits.whitened, tried.refits.base
     # pairs and decision
     pairs = tried.refits.pairs(tried.screened, tried.singles) if chosen.pairs else []

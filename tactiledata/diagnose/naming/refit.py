@@ -7,13 +7,16 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from tactiledata.compute.base import Scheduler
+from tactiledata.compute.local import LocalScheduler
 from tactiledata.diagnose.naming.agreement import Agreement, strength_trend
 from tactiledata.diagnose.naming.decide import Decision, decide
 from tactiledata.diagnose.naming.error_sizes import estimated_sizes, typical_size
 from tactiledata.diagnose.naming.evidence import ScoredCandidate, score_candidate
 from tactiledata.diagnose.naming.held_out import GroupedCosts, held_out
 from tactiledata.diagnose.naming.intervals import range_checks
-from tactiledata.diagnose.naming.joint_fit import JointFit, KeptFits
+from tactiledata.diagnose.naming.joint_fit import JointFit
+from tactiledata.diagnose.naming.kept_fits import FitRequest, KeptFits
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.naming.parameters import joint_model
 from tactiledata.diagnose.naming.remaining_structure import RemainingStructure
@@ -25,7 +28,6 @@ from tactiledata.diagnose.naming.ties import ties_of_two
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.simulate.setting import EffectSetting
-from tactiledata.errors import UsageError
 
 WEAK = 0.05
 """Share of the screen's strengths from which a refit starts that did not end below the plain fit."""
@@ -57,6 +59,8 @@ class Refits:
         than with those that suit it best. It is subtracted, so that candidates get no evidence from the sizes alone.
     kept : KeptFits
         Makes the refits.
+    runner : Scheduler
+        Where several refits are made at a time; they and their results do not depend on the number of workers.
     """
 
     whitened: WhitenedTouches
@@ -66,6 +70,7 @@ class Refits:
     reference: GroupedCosts | None = None
     size_penalty: float = 0.0
     kept: KeptFits = field(default_factory=KeptFits)
+    runner: Scheduler = field(default_factory=LocalScheduler)
 
     @property
     def thresholds(self) -> DecisionThresholds:
@@ -75,25 +80,36 @@ class Refits:
     def singles(self, screened: Sequence[Screened]) -> list[JointFit]:
         """Return a refit of each promising effect, the best of its starts; effects without any balance are left out.
 
-        A refit that stays far behind a plausible one ends early.
+        A refit that stays far behind that of the most promising effect ends early.
         """
         promising = [effect for effect in screened if effect.evidence > self.options.promising][
             : self.options.most_singles
         ]
-        fits: list[JointFit] = []
-        for effect in promising:
-            self.progress(f"refit {effect.effect}")
-            to_beat = _cost_to_beat(fits)
-            tried = [self._fit(self.base, start, effect.strengths, to_beat) for start in effect.starts]
-            found = min(filter(None, tried), key=lambda fit: fit.cost, default=None)
-            if found is not None and found.cost > self.base.cost:
-                # the plain fit is a special case that costs less: a fit from near it does not end above it
-                weak = [setting.weakened(WEAK) for setting in effect.starts[0]]
-                nearer = self._fit(self.base, weak, effect.strengths)
-                found = found if nearer is None else min(found, nearer, key=lambda fit: fit.cost)
-            if found is not None:
-                fits.append(found)
-        return fits
+        first = self._best_of_starts(promising[:1], np.inf)
+        return first + self._best_of_starts(promising[1:], _cost_to_beat(first))
+
+    def _best_of_starts(self, effects: Sequence[Screened], to_beat: float) -> list[JointFit]:
+        """Return the best refit of each effect, without those that have none; ``to_beat`` as in `joint_fit`."""
+        if not effects:
+            return []
+        self.progress(f"refit {', '.join(effect.effect for effect in effects)}")
+        asked = [
+            self._request(self.base, start, effect.strengths, to_beat) for effect in effects for start in effect.starts
+        ]
+        fits = iter(self._fits(asked))
+        best = [
+            min(filter(None, [next(fits) for _ in effect.starts]), key=lambda fit: fit.cost, default=None)
+            for effect in effects
+        ]
+        # the plain fit is a special case that costs less: a fit from near it does not end above it
+        above = [place for place, fit in enumerate(best) if fit is not None and fit.cost > self.base.cost]
+        weak = [[setting.weakened(WEAK) for setting in effects[place].starts[0]] for place in above]
+        near = [
+            self._request(self.base, start, effects[place].strengths) for place, start in zip(above, weak, strict=True)
+        ]
+        for place, fit in zip(above, self._fits(near), strict=True):
+            best[place] = min(filter(None, [best[place], fit]), key=lambda fit: fit.cost)
+        return [fit for fit in best if fit is not None]
 
     def pairs(self, screened: Sequence[Screened], singles: Sequence[JointFit]) -> list[JointFit]:
         """Return refits of the few most promising pairs among the best singles.
@@ -118,14 +134,17 @@ class Refits:
                 start = (*first.model.settings, *second.starts[0])
                 if key not in promises or cost < promises[key][0]:
                     promises[key] = cost, first, start
-        # refits, the most promising first; a hopeless one ends early
+        # refits, the most promising first; another one that is hopeless beside it ends early
+        chosen = sorted(promises.values(), key=lambda promise: promise[0])[: self.options.most_pairs]
         fits: list[JointFit] = []
-        for _, first, start in sorted(promises.values(), key=lambda promise: promise[0])[: self.options.most_pairs]:
-            names = tuple(dict.fromkeys(setting.effect for setting in start))
-            self.progress(f"refit {' with '.join(names)}")
-            strengths = frozenset().union(*(kept[name] for name in names))
-            to_beat = _cost_to_beat(fits)
-            fits += filter(None, [self._fit(first, start, strengths, to_beat)])
+        for group in (chosen[:1], chosen[1:]):
+            asked = []
+            for _, first, start in group:
+                names = tuple(dict.fromkeys(setting.effect for setting in start))
+                self.progress(f"refit {' with '.join(names)}")
+                strengths = frozenset().union(*(kept[name] for name in names))
+                asked.append(self._request(first, start, strengths, _cost_to_beat(fits)))
+            fits += filter(None, self._fits(asked))
         return fits
 
     def score_and_decide(
@@ -141,7 +160,7 @@ class Refits:
         # held-out squares of every fit, and the dispersion that the best one leaves
         self.progress("held-out trajectories and indenters")
         base_out = self.reference or held_out(self.whitened, self.base, seed)
-        outs: list[GroupedCosts] = [held_out(self.whitened, fit, seed) for fit in (*singles, *pairs)]
+        outs = self._held_out([*singles, *pairs])
         expected = self.whitened.expected
         least = min((out.by_trajectory for out in (base_out, *outs)), key=np.sum)
         left = RemainingStructure.of(least, expected, [case.name for case in self.whitened.touch_set.touches])
@@ -162,9 +181,10 @@ class Refits:
             return scored, decision
         # ties of a named pair
         of_single = {candidate.label: candidate for candidate in scored[: len(singles)]}
+        found = self.substitutes(best.fit, [candidate.fit for candidate in of_single.values()])
+        substitute_outs = self._held_out([fit for _, fit in found])
         substitutes = [
-            (of_single[kept], score_of(fit, held_out(self.whitened, fit, seed)))
-            for kept, fit in self.substitutes(best.fit, [candidate.fit for candidate in of_single.values()])
+            (of_single[kept], score_of(fit, out)) for (kept, fit), out in zip(found, substitute_outs, strict=True)
         ]
         ties = ties_of_two(best, substitutes, thresholds)
         known = {frozenset(candidate.names) for candidate in scored}
@@ -194,7 +214,7 @@ class Refits:
         Refitted are those whose score beside the kept effect is at least ``COMPARABLE`` times the score of the effect
         that they replace.
         """
-        fits = []
+        kept_effects, asked = [], []
         for index, kept in enumerate(pair.names):
             alone = next(fit for fit in singles if fit.names == (kept,))
             named = pair.names[1 - index]
@@ -208,14 +228,25 @@ class Refits:
                 if name == named or other.score < least:
                     continue
                 strengths = model.strengths | other.strengths
-                fit = self._fit(alone, (*model.settings, *other.starts[0]), strengths, pair.cost)
-                fits += [(kept, fit)] if fit is not None else []
-        return fits
+                start = (*model.settings, *other.starts[0])
+                kept_effects.append(kept)
+                asked.append(self._request(alone, start, strengths, pair.cost))
+        fits = zip(kept_effects, self._fits(asked), strict=True)
+        return [(kept, fit) for kept, fit in fits if fit is not None]
 
-    def _fit(
+    def _fits(self, requests: Sequence[FitRequest]) -> list[JointFit | None]:
+        """Fit of each request; ``None`` where gel and springs find no balance, as with too strong an effect."""
+        return self.kept.joint_fits(self.whitened, requests, self.runner)
+
+    def _held_out(self, fits: Sequence[JointFit]) -> list[GroupedCosts]:
+        """Held-out squares of each fit."""
+        tasks = [_HeldOut(self.whitened, fit, self.options.seed) for fit in fits]
+        return [outcome.value for outcome in self.runner.outcomes(_HeldOut.costs, tasks)]
+
+    def _request(
         self, near: JointFit, start: Sequence[EffectSetting], kept: frozenset[Strength], to_beat: float = np.inf
-    ) -> JointFit | None:
-        """Joint fit from start settings; ``None`` where gel and springs find no balance, as with too strong an effect.
+    ) -> FitRequest:
+        """Request of the joint fit from start settings.
 
         Parameters
         ----------
@@ -233,10 +264,23 @@ class Refits:
         model = joint_model(from_there.material, start, len(self.whitened.starts), errors, kept, from_there.box)
         of_material_and_effects = model.vector[: 3 + len(model.coordinates)]
         model = model.at(np.concatenate([of_material_and_effects, from_there.errors]), from_there.offsets)
-        try:
-            return self.kept.joint_fit(self.whitened, model, to_beat=to_beat)
-        except UsageError:
-            return None
+        return FitRequest(model, to_beat=to_beat)
+
+
+@dataclass(frozen=True)
+class _HeldOut:
+    """A fit whose held-out squares a worker can compute."""
+
+    whitened: WhitenedTouches
+    fit: JointFit
+    seed: int
+
+    def __str__(self) -> str:
+        return f"held-out trajectories of {' with '.join(self.fit.names)}"
+
+    def costs(self) -> GroupedCosts:
+        """Return the squares; workers execute this function."""
+        return held_out(self.whitened, self.fit, self.seed)
 
 
 def _cost_to_beat(fits: Sequence[JointFit]) -> float:

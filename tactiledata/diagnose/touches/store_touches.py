@@ -17,6 +17,7 @@ from tactiledata.calibrate.options import CalibrationOptions
 from tactiledata.calibrate.plays.estimated_plays import Estimates
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.compute import make_scheduler
+from tactiledata.compute.base import Scheduler
 from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.diagnose.touches.grid_answer import TouchPlays
 from tactiledata.diagnose.touches.play_grid import play_touches
@@ -131,6 +132,7 @@ def store_touches(
     full: Collection[GelVariant] = (),
     only: Collection[str] | None = None,
     estimates: Estimates = "learned",
+    runner: Scheduler | None = None,
 ) -> StoreTouches:
     """Return the chosen trajectories of a store, played by the gel.
 
@@ -148,6 +150,8 @@ def store_touches(
         Unique identifiers of the drawn trajectories that are taken; all by default.
     estimates : "learned", "rough" or "none"
         How plays at finite strain are estimated, see `play_touches`.
+    runner : Scheduler, optional
+        Where touches are played; that of the options where ``None``.
 
     Raises
     ------
@@ -165,9 +169,9 @@ def store_touches(
     box = find_bounds(options.bounds)
     # plays; variants of the gel exist at finite strain only
     variants = variants_of(EFFECTS) if options.fidelity == "finite-strain" else ()
-    runner = make_scheduler(options.workers, options.scheduler)
     plays = play_touches(
-        measured.mesh, options.fidelity, measured.touches, box, runner, progress, variants,
+        measured.mesh, options.fidelity, measured.touches, box,
+        runner or make_scheduler(options.workers, options.scheduler), progress, variants,
         estimates=estimates, full=full,
     )  # fmt: skip
     start = GelMaterial(*box.inside(np.array([youngs_modulus_of_shore_a(options.shore_a), 0.475, 0.7])).tolist())

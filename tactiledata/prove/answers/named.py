@@ -8,7 +8,7 @@ from typing import Any
 
 from tactiledata.diagnose.answer.sentences import Answer
 from tactiledata.diagnose.naming.full_plays import FullPlay, named_with_full_plays
-from tactiledata.diagnose.naming.joint_fit import KeptFits
+from tactiledata.diagnose.naming.kept_fits import KeptFits
 from tactiledata.diagnose.naming.name_effects import NamingResult, name_effects
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.touches.grid_answer import TouchPlays

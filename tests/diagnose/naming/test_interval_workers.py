@@ -1,4 +1,4 @@
-"""Ends of intervals that are searched by several processes."""
+"""Refits and ends of intervals that are found by several processes."""
 
 import pytest
 from touch_worlds import PLANTS, START, world_cases
@@ -22,3 +22,18 @@ def test_two_processes_find_the_intervals_of_one():
     for found in (*alone.intervals, *alone.intervals_before):
         assert found.low <= found.value <= found.high
         assert found.low < found.high
+
+
+@pytest.mark.slow
+def test_two_processes_give_the_answer_of_one():
+    """Evidence, numbers and answer are the same to the last bit, pairs and held-out squares too."""
+    cases = world_cases(PLANTS["relaxation"], 0, trajectories=24)
+    options = NamingOptions(effects=("relaxation", "lag", "arm_compliance", "rate_friction"), profile=False)
+    alone, together = (name_effects(cases, START, options, runner=runner) for runner in (None, make_scheduler(2)))
+    assert len(alone.scored) >= 3
+    for one, other in zip(alone.scored, together.scored, strict=True):
+        assert one.label == other.label
+        assert one.evidence == other.evidence
+        assert one.gains == other.gains
+        assert (one.fit.model.vector == other.fit.model.vector).all()
+    assert together.decision.claimed == alone.decision.claimed == ("relaxation",)

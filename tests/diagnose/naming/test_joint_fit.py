@@ -8,7 +8,9 @@ import pytest
 from tied_worlds import START, effect, recorded
 
 from tactiledata.diagnose.naming import joint_fit as module
-from tactiledata.diagnose.naming.joint_fit import KeptFits, joint_fit, plain_fit
+from tactiledata.diagnose.naming import kept_fits
+from tactiledata.diagnose.naming.joint_fit import joint_fit, plain_fit
+from tactiledata.diagnose.naming.kept_fits import FitRequest, KeptFits
 from tactiledata.diagnose.naming.linearise import Linearised
 from tactiledata.diagnose.naming.name_effects import name_effects
 from tactiledata.diagnose.naming.options import NamingOptions
@@ -16,6 +18,7 @@ from tactiledata.diagnose.naming.parameters import joint_model
 from tactiledata.diagnose.naming.screen import screen
 from tactiledata.diagnose.naming.signatures import effect_signatures
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
+from tactiledata.errors import TactileDataError, UsageError
 
 
 @pytest.fixture(scope="module")
@@ -113,7 +116,7 @@ def test_a_fit_is_made_once_until_it_is_forgotten(late, monkeypatch):
         made.append(start.settings)
         return SimpleNamespace(names=tuple(setting.effect for setting in start.settings))
 
-    monkeypatch.setattr(module, "joint_fit", fit)
+    monkeypatch.setattr(kept_fits, "joint_fit", fit)
     kept, plain = KeptFits(), base.model
     lagging = joint_model(plain.material, effect("lag", delay=0.02), len(white.starts), len(plain.errors))
     first = kept.joint_fit(white, plain)
@@ -143,8 +146,8 @@ def test_a_second_naming_makes_no_fit_again(late, monkeypatch):
     white, _ = late
     options = NamingOptions(effects=("lag", "relaxation"), profile=False)
     kept, made = KeptFits(), []
-    fit = module.joint_fit
-    monkeypatch.setattr(module, "joint_fit", lambda *given: made.append(given) or fit(*given))
+    fit = kept_fits.joint_fit
+    monkeypatch.setattr(kept_fits, "joint_fit", lambda *given: made.append(given) or fit(*given))
     first = name_effects(white.touch_set, START, options, kept=kept)
     count = len(made)
     assert count > 5
@@ -152,3 +155,35 @@ def test_a_second_naming_makes_no_fit_again(late, monkeypatch):
     assert len(made) == count
     assert [(one.label, one.evidence) for one in again.scored] == [(one.label, one.evidence) for one in first.scored]
     assert again.decision.claimed == first.decision.claimed
+
+
+def test_several_fits_are_those_made_one_by_one(late):
+    """Fits that are asked for together are those made alone, in order; one that is asked for twice is made once."""
+    white, base = late
+    plain = base.model
+    lagging = joint_model(plain.material, effect("lag", delay=0.02), len(white.starts), len(plain.errors))
+    kept = KeptFits()
+    first = kept.joint_fit(white, plain, rounds=1)
+    asked = [FitRequest(lagging, rounds=1), FitRequest(plain, rounds=1), FitRequest(lagging, rounds=1)]
+    found = kept.joint_fits(white, asked)
+    assert found[1] is first
+    assert found[0] is found[2] is kept.joint_fit(white, lagging, rounds=1)
+    assert found[0].cost == joint_fit(white, lagging, rounds=1).cost != first.cost
+
+
+def test_a_fit_without_balance_is_none_and_a_fault_is_raised(late, monkeypatch):
+    """Springs that find no balance leave a gap in the list; any other error of the toolkit ends the run."""
+    white, base = late
+
+    def fit(whitened, start, held=(), rounds=12, to_beat=np.inf):
+        if rounds == 1:
+            raise UsageError("no balance", "stiffer springs", "Lessen the compliances.")
+        if rounds == 2:
+            raise TactileDataError("a file is gone", "the file", "Look for it.")
+        return base
+
+    monkeypatch.setattr(kept_fits, "joint_fit", fit)
+    asked = [FitRequest(base.model, rounds=rounds) for rounds in (1, 3)]
+    assert KeptFits().joint_fits(white, asked) == [None, base]
+    with pytest.raises(TactileDataError, match="a file is gone"):
+        KeptFits().joint_fits(white, [FitRequest(base.model, rounds=2)])

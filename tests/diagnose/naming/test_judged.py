@@ -21,9 +21,9 @@ from candidates import (
     with_evidence,
 )
 
+from tactiledata.diagnose.naming import kept_fits
 from tactiledata.diagnose.naming.decide import NONE, OTHER
 from tactiledata.diagnose.naming.identifiability import Identifiability
-from tactiledata.diagnose.naming.joint_fit import KeptFits
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.naming.parameters import joint_model
 from tactiledata.diagnose.naming.refit import Refits, with_penalty
@@ -448,12 +448,12 @@ def test_a_number_that_shows_at_no_place_is_said_beside_those_of_its_effect_that
 def test_what_cannot_be_played_is_no_candidate(monkeypatch):
     """Springs so soft that the gel finds no balance end the refit of one effect, not the diagnosis."""
 
-    def unbalanced(*_, **options):
+    def unbalanced(*_):
         raise UsageError("no balance", "stiffer springs", "Lessen the compliances.")
 
-    monkeypatch.setattr(KeptFits, "joint_fit", unbalanced)
+    monkeypatch.setattr(kept_fits, "joint_fit", unbalanced)
     plain = SimpleNamespace(model=joint_model(GelMaterial(9e5, 0.475, 0.7), [], 1, 0))
-    white = SimpleNamespace(starts=[0])
+    white = SimpleNamespace(starts=[0], errors=None, own=None, trust=None, simulated=None)
     fits = Refits(white, plain, NamingOptions(), lambda text: None)
     start = EffectSetting("arm_compliance", {"translation": 1e-4})
     asked = Screened("arm_compliance", 9.0, 5.0, [(start,)], frozenset({Strength("arm_compliance", "translation")}))
