@@ -189,11 +189,13 @@ def needed_of(
     """Return a pair, or the one of its two effects that suffices where the other adds too little.
 
     Let A(x | y) be the evidence of the pair less that of y alone, and B(x) the evidence of x alone. Effect x adds too
-    little beside y in any of three cases. First, A(x | y) is below the evidence that a claim of x needs, which errors
+    little beside y in any of four cases. First, A(x | y) is below the evidence that a claim of x needs, which errors
     of the simulation can bring as well. Second, A(x | y) is below ``second_share`` times B(y), or below
     ``remainder_share`` times B(x) and times B(y): an effect y whose form is a little off leaves what looks like x.
-    Third, trajectories that were held out do not confirm x beside y (`_is_confirmed`). An effect with an implausible
-    strength suffices only as the whole cause. Where either effect suffices, the one with more evidence is returned.
+    Third, trajectories that were held out do not confirm x beside y (`_is_confirmed`). Fourth, errors of
+    the simulation resemble x, and trajectories do not agree on it beside y by ``signature_threshold``: such errors
+    differ from touch to touch, but bring evidence and gains. An effect with an implausible strength suffices only as
+    the whole cause. Where either effect suffices, the one with more evidence is returned.
 
     Parameters
     ----------
@@ -213,9 +215,13 @@ def needed_of(
             and adds < thresholds.remainder_share * alone[name].evidence
         )
         needs = thresholds.with_errors(pair.error_size).claim(other)
+        agrees = pair.agreement_beside.get(other, np.inf) >= thresholds.signature_threshold
         is_little = adds < needs or adds < thresholds.second_share * alone[name].evidence or is_remainder
         is_plausible = not alone[name].implausible or alone[name].is_whole_cause(thresholds)
-        if is_plausible and (is_little or not _is_confirmed(pair, alone[name], needs, thresholds)):
+        is_told = (agrees or not thresholds.is_resembled((other,))) and _is_confirmed(
+            pair, alone[name], needs, thresholds
+        )
+        if is_plausible and (is_little or not is_told):
             sufficient.append(alone[name])
     return max(sufficient, key=_evidence, default=pair)
 

@@ -31,7 +31,8 @@ trace
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -81,6 +82,8 @@ class ScoredCandidate:
     trend : Agreement, optional
         How the strength of a single effect changes during the session, `agreement.strength_trend`; ``None`` where that
         is not known, or where the effect itself changes with what happened before.
+    agreement_beside : dict, effect -> float
+        Signature statistic of each effect of a pair beside the refit of the other one alone; empty for one effect.
     """
 
     fit: JointFit
@@ -96,6 +99,7 @@ class ScoredCandidate:
     evidence_per_trajectory: Array
     error_size: float = 1.0
     trend: Agreement | None = None
+    agreement_beside: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def names(self) -> tuple[str, ...]:

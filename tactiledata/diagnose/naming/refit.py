@@ -9,7 +9,7 @@ import numpy as np
 
 from tactiledata.compute.base import Scheduler
 from tactiledata.compute.local import LocalScheduler
-from tactiledata.diagnose.naming.agreement import Agreement, strength_trend
+from tactiledata.diagnose.naming.agreement import Agreement, agreement, strength_trend
 from tactiledata.diagnose.naming.decide import Decision, decide
 from tactiledata.diagnose.naming.error_sizes import estimated_sizes, typical_size
 from tactiledata.diagnose.naming.evidence import ScoredCandidate, score_candidate
@@ -174,6 +174,7 @@ class Refits:
 
         # scores and decision
         scored = [score_of(fit, out) for fit, out in zip((*singles, *pairs), outs, strict=True)]
+        scored[len(singles) :] = [self._with_agreement(pair, singles) for pair in scored[len(singles) :]]
         gains = {candidate.label: candidate.gains for candidate in scored}
         decision = decide(scored[: len(singles)], scored[len(singles) :], gains, self.base.metric, left, thresholds)
         best = decision.best
@@ -190,6 +191,19 @@ class Refits:
         known = {frozenset(candidate.names) for candidate in scored}
         scored += [substitute for _, substitute in substitutes if frozenset(substitute.names) not in known]
         return scored, replace(decision, ties=ties)
+
+    def _with_agreement(self, pair: ScoredCandidate, singles: Sequence[JointFit]) -> ScoredCandidate:
+        """Pair with the signature statistic of each effect beside the refit of the other one alone."""
+        alone = {fit.names[0]: fit for fit in singles}
+        play, model = self.whitened.touch_set.play, pair.fit.model
+        found = {}
+        for name, other in (pair.names, pair.names[::-1]):
+            of_other = [setting for setting in model.settings if setting.effect == other]
+            gained = play(model.material, of_other, model.offsets) - play(model.material, [], model.offsets)
+            change = pair.fit.effect_change - self.whitened.whiten(gained)
+            beside = alone[other]
+            found[name] = agreement(beside.metric, change, beside.residual_at_centre).standard_errors
+        return replace(pair, agreement_beside=found)
 
     def trend(self, fit: JointFit) -> Agreement | None:
         """Return how the strength of a single effect changes during the session; ``None`` where that is not known.

@@ -1,5 +1,7 @@
 """Whether one of two effects suffices, or both are needed: what the second adds, and what confirms it."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from candidates import EASY, HARD, MUCH, OTHER_EASY, candidate, decided, scattered, with_evidence
@@ -66,6 +68,16 @@ def test_a_second_effect_that_held_out_trajectories_do_not_confirm_is_not_named(
             (EASY, second), evidence + adds, gains=first.gains + gains,
             evidence_per_trajectory=first.evidence_per_trajectory + spread_over,
         )  # fmt: skip
+        assert set(needed_of(pair, [first, alone], T).names) == named
+
+
+def test_trajectories_agree_on_a_second_effect_that_errors_resemble():
+    """Errors of a simulation bring evidence and gains; trajectories do not agree on them beside the first effect."""
+    for second, least, named in ((HARD, 1.1, {EASY, HARD}), (HARD, 0.9, {EASY}), (OTHER_EASY, 0.9, {EASY, OTHER_EASY})):
+        needed = T.claim(second)
+        first, alone = with_evidence(EASY, 6.0 * needed), with_evidence(second, 1.2 * needed)
+        agreement = {EASY: 9.0, second: least * T.signature_threshold}
+        pair = dataclasses.replace(pair_beside(first, alone, 1.1 * needed), agreement_beside=agreement)
         assert set(needed_of(pair, [first, alone], T).names) == named
 
 
