@@ -25,6 +25,10 @@ settings.register_profile("quick", settings.get_profile("house"), max_examples=3
 settings.load_profile("house" if os.environ.get("TACTILE_REQUIRE_ALL") else "quick")
 
 
+# tests run beside each other: commands that simulate start no processes of their own unless a test asks for them
+os.environ.setdefault("TACTILEDATA_WORKERS", "1")
+
+
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(items):
     """Each of several workers begins with files of slow tests, so that none waits at the end for another's long test.

@@ -10,7 +10,7 @@ import typer
 from tactiledata.cli.explain import damage_explains
 from tactiledata.cli.given_values import listed_names, need_writable_folder
 from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say, table
-from tactiledata.cli.task_options import SCHEDULER, WORKERS
+from tactiledata.cli.task_options import SCHEDULER, SIMULATION_WORKERS, workers_of
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
 from tactiledata.contract.extras import GEL, PAGE, need_packages
 
@@ -57,13 +57,13 @@ def calibrate(
     ),
     indenters: Path = typer.Option(None, "--indenters", help="Folder of the mesh files that recordings name."),
     seed: int = typer.Option(0, "--seed", help="Random seed for drawing trajectories."),
-    workers: int = WORKERS,
+    workers: int = SIMULATION_WORKERS,
     scheduler: str = SCHEDULER,
     as_json: bool = JSON_OPTION,
 ) -> None:
     """Fit Young's modulus, Poisson's ratio and friction of the gel. A second run reuses simulations of the first.
 
-    Example: tactiledata calibrate ds.zarr --trajectories 25 --workers 2
+    Example: tactiledata calibrate ds.zarr --trajectories 25
     """
     need_packages("a calibration", *GEL, *PAGE)
     from tactiledata.calibrate.calibrate import calibrate as run
@@ -93,7 +93,7 @@ def calibrate(
         shape_error=shape_error,
         sensor=sensor,
         indenters=() if indenter is None else tuple(listed_names(indenter, "--indenter")),
-        workers=workers,
+        workers=workers_of(workers, scheduler),
         scheduler=scheduler,
         indenter_folder=indenters,
     )

@@ -10,7 +10,7 @@ import typer
 from tactiledata.cli.documents import wrong_document_is_wrong_usage
 from tactiledata.cli.given_values import listed_names, need_writable_folder
 from tactiledata.cli.output import JSON_OPTION, emit, err, plain, progress, say
-from tactiledata.cli.task_options import scheduler_option, workers_option
+from tactiledata.cli.task_options import scheduler_option, workers_of, workers_option
 from tactiledata.cli.working_store import working_store
 from tactiledata.contract.extras import GEL, PAGE, need_packages
 from tactiledata.errors import UsageError
@@ -100,7 +100,7 @@ def diagnose(
             effects=() if effects is None else tuple(listed_names(effects, "--effects")),
             pairs=pairs,
             seed=seed,
-            workers=workers,
+            workers=workers_of(workers, scheduler),
             scheduler=scheduler,
             indenter_folder=_folder(indenters),
         )

@@ -12,7 +12,7 @@ from tactiledata.cli.documents import calibration_document, effects_document
 from tactiledata.cli.explain import damage_explains
 from tactiledata.cli.given_values import need_writable_folder
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say
-from tactiledata.cli.task_options import SCHEDULER, WORKERS
+from tactiledata.cli.task_options import SCHEDULER, SIMULATION_WORKERS, workers_of
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
 from tactiledata.contract.extras import GEL, PAGE, need_packages
 from tactiledata.errors import UnknownName, UsageError
@@ -59,7 +59,7 @@ def replay(
         0.1, "--gap-limit", help="Longest gap in seconds across which a pose is interpolated."
     ),
     out: Path = typer.Option(Path("replay"), "--out", help="Folder for the page with pictures."),
-    workers: int = WORKERS,
+    workers: int = SIMULATION_WORKERS,
     scheduler: str = SCHEDULER,
     as_json: bool = JSON_OPTION,
 ) -> None:
@@ -67,7 +67,7 @@ def replay(
 
     The simulation follows the recorded poses. A run that was killed continues where it stopped.
 
-    Example: tactiledata replay ds.zarr --calibration calibration.json --workers 2
+    Example: tactiledata replay ds.zarr --calibration calibration.json
     """
     need_packages("a replay", *GEL, *PAGE)
     # refuse wrong usage before any work, and before the imports that take seconds
@@ -114,7 +114,7 @@ def replay(
     # replay
     location = working_store(store)
     with damage_explains(location), progress("replaying", quiet=as_json) as report_progress:
-        report = attach(location, options, workers, scheduler, report_progress, replace)
+        report = attach(location, options, workers_of(workers, scheduler), scheduler, report_progress, replace)
     page = write_replay_page(Store.open(location), report.mesh, out) if report.with_mesh else None
     # print
     if as_json:
