@@ -34,7 +34,8 @@ def preview(monkeypatch):
     def tell(count, failing=None):
         asked, told = [], []
 
-        def play(opened, calibration, progress, only=None, estimates="learned"):
+        def play(opened, calibration, progress, only=None, estimates="learned", runner=None):
+            assert runner == "workers"
             asked.append((only, estimates))
             if failing:
                 raise failing
@@ -43,7 +44,7 @@ def preview(monkeypatch):
         monkeypatch.setattr(store, "read_measured", lambda *_: SimpleNamespace(touches=drawn(count)))
         monkeypatch.setattr(store, "store_touches", play)
         monkeypatch.setattr(store, "preview_words", lambda named, of: f"{len(named)} of {of}")
-        store._preview(None, None, None, lambda played: played, told.append)
+        store._preview(None, None, None, lambda played: played, told.append, "workers")
         return told, asked
 
     return tell
