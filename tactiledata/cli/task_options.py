@@ -12,7 +12,7 @@ from tactiledata.errors import UsageError
 WORKERS_HELP = "Number of local processes."
 SCHEDULER_HELP = "Address of a Dask scheduler whose workers do the work, in place of local processes: tcp://HOST:8786."
 MOST_WORKERS = 4
-"""Local processes that a simulation starts by itself, at most: each takes some 700 MB of memory."""
+"""Local processes that a simulation starts by itself, at most: each holds a gel engine in memory."""
 VARIABLE = "TACTILEDATA_WORKERS"
 """Variable of the environment that says how many local processes a simulation starts by itself."""
 
@@ -46,8 +46,10 @@ def workers_of(asked: int | None, scheduler: str | None = None) -> int:
     UsageError
         The variable of the environment is no positive number.
     """
-    if asked is not None or scheduler:
-        return 1 if asked is None else asked
+    if asked is not None:
+        return asked
+    if scheduler:
+        return 1
     told = os.environ.get(VARIABLE, "").strip()
     if told and not (told.isdecimal() and int(told)):
         raise UsageError(

@@ -39,6 +39,6 @@ def test_a_variable_that_is_no_number_is_refused(monkeypatch, told):
 
 
 def test_an_empty_variable_says_nothing(monkeypatch):
-    """As in a shell that unsets it by an empty value."""
+    """A blank TACTILEDATA_WORKERS counts as unset: there is one process for each processor, up to the limit."""
     monkeypatch.setenv(VARIABLE, " ")
     assert workers_of(None) == min(len(os.sched_getaffinity(0)), MOST_WORKERS)

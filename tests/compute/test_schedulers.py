@@ -121,7 +121,7 @@ def slow_mark(task):
 
 @pytest.mark.slow
 def test_tasks_that_nobody_waits_for_any_more_are_not_begun(tmp_path):
-    """Where a reader stops, processes that are kept open drop what they have not begun."""
+    """Worker processes that stay open skip the queued tasks of a run whose results are no longer read."""
     runner = SCHEDULERS["local"](2)
     with runner.kept_open():
         run = runner.outcomes(slow_mark, [(number, tmp_path) for number in range(40)], 40)
