@@ -188,14 +188,9 @@ def needed_of(
 ) -> ScoredCandidate:
     """Return a pair, or the one of its two effects that suffices where the other adds too little.
 
-    Let A(x | y) be the evidence of the pair less that of y alone, and B(x) the evidence of x alone. Effect x adds too
-    little beside y in any of four cases. First, A(x | y) is below the evidence that a claim of x needs, which errors
-    of the simulation can bring as well. Second, A(x | y) is below ``second_share`` times B(y), or below
-    ``remainder_share`` times B(x) and times B(y): an effect y whose form is a little off leaves what looks like x.
-    Third, trajectories that were held out do not confirm x beside y (`_is_confirmed`). Fourth, errors of
-    the simulation resemble x, and trajectories do not agree on it beside y by ``signature_threshold``: such errors
-    differ from touch to touch, but bring evidence and gains. An effect with an implausible strength suffices only as
-    the whole cause. Where either effect suffices, the one with more evidence is returned.
+    An effect suffices where there are objections to the other one beside it (`objections_beside`). One with an
+    implausible strength suffices only as the whole cause. Where either effect suffices, the one with more evidence is
+    returned.
 
     Parameters
     ----------
@@ -206,27 +201,83 @@ def needed_of(
     thresholds : DecisionThresholds
         What a claim needs.
     """
-    alone = {single.names[0]: single for single in singles}
-    sufficient = []
-    for name, other in (pair.names, pair.names[::-1]):
-        adds = pair.evidence - alone[name].evidence
-        is_remainder = (
-            adds < thresholds.remainder_share * alone[other].evidence
-            and adds < thresholds.remainder_share * alone[name].evidence
-        )
-        needs = thresholds.with_errors(pair.error_size).claim(other)
-        agrees = pair.agreement_beside.get(other, np.inf) >= thresholds.signature_threshold
-        is_little = adds < needs or adds < thresholds.second_share * alone[name].evidence or is_remainder
-        is_plausible = not alone[name].implausible or alone[name].is_whole_cause(thresholds)
-        is_told = (agrees or not thresholds.is_resembled((other,))) and _is_confirmed(
-            pair, alone[name], needs, thresholds
-        )
-        if is_plausible and (is_little or not is_told):
-            sufficient.append(alone[name])
+    first, second = (next(single for single in singles if single.names == (name,)) for name in pair.names)
+    sufficient = [
+        one
+        for one, other in ((first, second), (second, first))
+        if (not one.implausible or one.is_whole_cause(thresholds)) and objections_beside(pair, one, other, thresholds)
+    ]
     return max(sufficient, key=_evidence, default=pair)
 
 
-def _is_confirmed(pair: ScoredCandidate, single: ScoredCandidate, needs: float, thresholds: DecisionThresholds) -> bool:
+def objections_to(
+    candidate: ScoredCandidate, singles: Sequence[ScoredCandidate], thresholds: DecisionThresholds
+) -> tuple[str, ...]:
+    """Return sentences that say why a candidate is not claimed: of a pair, also why one of its effects suffices.
+
+    Parameters
+    ----------
+    candidate : ScoredCandidate
+        Candidate with one effect or two.
+    singles : sequence of ScoredCandidate
+        Candidates with one effect; both effects of a pair are among them.
+    thresholds : DecisionThresholds
+        What a claim needs.
+    """
+    objections = candidate.objections(thresholds)
+    if objections or len(candidate.names) < 2:
+        return objections
+    needed = needed_of(candidate, singles, thresholds)
+    if needed is candidate:
+        return ()
+    other = next(one for one in singles if set(one.names) == set(candidate.names) - set(needed.names))
+    return objections_beside(candidate, needed, other, thresholds)
+
+
+def objections_beside(
+    pair: ScoredCandidate, first: ScoredCandidate, second: ScoredCandidate, thresholds: DecisionThresholds
+) -> tuple[str, ...]:
+    """Return sentences that say why the second effect of a pair adds too little beside the first; empty where it does.
+
+    What it adds is the evidence of the pair less that of the first effect alone. There are four objections. Errors of
+    the simulation can bring as much: it is below the evidence that a claim of the second effect needs. A first effect
+    whose form is a little off can leave as much: it is below ``second_share`` times the evidence of the first effect,
+    or below ``remainder_share`` times that of either effect alone. Errors of the simulation resemble the second effect,
+    and trajectories do not agree on it beside the first by ``signature_threshold``: such errors differ from touch to
+    touch, but bring evidence and gains. Trajectories that were held out do not confirm it (`_confirms_second`).
+
+    Parameters
+    ----------
+    pair : ScoredCandidate
+        Candidate with two effects.
+    first, second : ScoredCandidate
+        Candidates with one of these effects each.
+    thresholds : DecisionThresholds
+        What a claim needs.
+    """
+    name = second.names[0]
+    beside = f"beside {EFFECTS[first.names[0]]().title}, {EFFECTS[name]().title}"
+    adds, needs = pair.evidence - first.evidence, thresholds.with_errors(pair.error_size).claim(name)
+    reasons = []
+    if adds < needs:
+        reasons.append(
+            f"{beside} adds an evidence of {adds:.1f}, and errors of the simulation alone can bring up to {needs:.0f}"
+        )
+    elif adds < max(
+        thresholds.second_share * first.evidence, thresholds.remainder_share * min(first.evidence, second.evidence)
+    ):
+        reasons.append(f"{beside} adds an evidence of {adds:.1f} only, which a form that is a little off can bring")
+    agrees = pair.agreement_beside.get(name, np.inf)
+    if agrees < thresholds.signature_threshold and thresholds.is_resembled((name,)):
+        reasons.append(f"{beside} is not what the trajectories agree on ({agrees:.1f} standard errors)")
+    if not _confirms_second(pair, first, needs, thresholds):
+        reasons.append(f"{beside} is not confirmed by held-out trajectories")
+    return tuple(reasons)
+
+
+def _confirms_second(
+    pair: ScoredCandidate, single: ScoredCandidate, needs: float, thresholds: DecisionThresholds
+) -> bool:
     """Return whether held-out trajectories are predicted better with the second effect than with the other one alone.
 
     The gain of the pair less that of the single is positive, and has ``gain_sigmas`` standard errors; or the evidence

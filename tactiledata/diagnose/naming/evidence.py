@@ -129,11 +129,13 @@ class ScoredCandidate:
     def needed(self, thresholds: DecisionThresholds) -> float:
         """Return the evidence that a claim of the candidate needs beside the errors that the simulation then has.
 
-        Only the whole evidence has to reach it. Less is enough where errors of the simulation resemble the effect, and
-        it shows as they do not (`is_confirmed`): they differ from trajectory to trajectory and between indenters.
+        An effect that errors of the simulation resemble needs what the other effects need where it shows as no such
+        error does (`is_confirmed`).
         """
-        share = thresholds.confirmed_share if self.is_confirmed(thresholds) else 1.0
-        return share * thresholds.with_errors(self.error_size).needed(self.names)
+        beside = thresholds.with_errors(self.error_size)
+        if self.is_confirmed(thresholds):
+            beside = beside.unlike_errors(self.names)
+        return beside.needed(self.names)
 
     def is_confirmed(self, thresholds: DecisionThresholds) -> bool:
         """Whether an effect that errors of the simulation resemble shows in all trajectories, and on all indenters.

@@ -30,7 +30,7 @@ from tactiledata.effects import EFFECTS
 from tactiledata.effects.simulate.setting import EffectSetting
 
 WEAK = 0.05
-"""Share of the screen's strengths from which a refit starts that did not end below the plain fit."""
+"""Share of the screen's strengths from which a refit starts that did not end below the fit without the effect."""
 PAST = ("powered", "earlier_depth", "earlier_contacts")
 """Fields of a touch that say what happened before it."""
 COMPARABLE = 0.8
@@ -85,31 +85,27 @@ class Refits:
         promising = [effect for effect in screened if effect.evidence > self.options.promising][
             : self.options.most_singles
         ]
-        first = self._best_of_starts(promising[:1], np.inf)
-        return first + self._best_of_starts(promising[1:], _cost_to_beat(first))
+        asked = [_Added(self.base, tuple(effect.starts), effect.strengths) for effect in promising]
+        fits: list[JointFit] = []
+        for group in (asked[:1], asked[1:]):
+            fits += filter(None, self._with_added(group, _cost_to_beat(fits)))
+        return fits
 
-    def _best_of_starts(self, effects: Sequence[Screened], to_beat: float) -> list[JointFit]:
-        """Return the best refit of each effect, without those that have none; ``to_beat`` as in `joint_fit`."""
-        if not effects:
-            return []
-        self.progress(f"refit {', '.join(effect.effect for effect in effects)}")
-        asked = [
-            self._request(self.base, start, effect.strengths, to_beat) for effect in effects for start in effect.starts
-        ]
-        fits = iter(self._fits(asked))
+    def _with_added(self, asked: Sequence[_Added], to_beat: float) -> list[JointFit | None]:
+        """Return the best refit of each; ``None`` where none finds a balance; ``to_beat`` as in `joint_fit`."""
+        if asked:
+            self.progress(f"refit {', '.join(map(str, asked))}")
+        requests = [self._request(one, start, to_beat) for one in asked for start in one.starts]
+        fits = iter(self._fits(requests))
         best = [
-            min(filter(None, [next(fits) for _ in effect.starts]), key=lambda fit: fit.cost, default=None)
-            for effect in effects
+            min(filter(None, [next(fits) for _ in one.starts]), key=lambda fit: fit.cost, default=None) for one in asked
         ]
-        # the plain fit is a special case that costs less: a fit from near it does not end above it
-        above = [place for place, fit in enumerate(best) if fit is not None and fit.cost > self.base.cost]
-        weak = [[setting.weakened(WEAK) for setting in effects[place].starts[0]] for place in above]
-        near = [
-            self._request(self.base, start, effects[place].strengths) for place, start in zip(above, weak, strict=True)
-        ]
+        # the fit without what is added is a special case that costs less: a fit from near it does not end above it
+        above = [place for place, fit in enumerate(best) if fit is None or fit.cost > asked[place].near.cost]
+        near = [self._request(asked[place], asked[place].weak, to_beat) for place in above]
         for place, fit in zip(above, self._fits(near), strict=True):
-            best[place] = min(filter(None, [best[place], fit]), key=lambda fit: fit.cost)
-        return [fit for fit in best if fit is not None]
+            best[place] = min(filter(None, [best[place], fit]), key=lambda fit: fit.cost, default=None)
+        return best
 
     def pairs(self, screened: Sequence[Screened], singles: Sequence[JointFit]) -> list[JointFit]:
         """Return refits of the few most promising pairs among the best singles.
@@ -119,8 +115,8 @@ class Refits:
         """
         best = sorted(singles, key=lambda fit: fit.cost)[: self.options.most_paired]
         kept = {effect.effect: effect.strengths for effect in screened}
-        # the start of each promising pair, from the better of its two orders
-        promises: dict[frozenset[str], tuple[float, JointFit, tuple[EffectSetting, ...]]] = {}
+        # each promising pair, from the better of its two orders, with its expected cost
+        promises: dict[frozenset[str], tuple[float, _Added]] = {}
         for first in best[: self.options.most_first]:
             self.progress(f"what {first.names[0]} leaves")
             others = [fit.names[0] for fit in best if fit is not first]
@@ -131,20 +127,14 @@ class Refits:
                     continue
                 key = frozenset([first.names[0], second.effect])
                 cost = first.cost - second.score
-                start = (*first.model.settings, *second.starts[0])
                 if key not in promises or cost < promises[key][0]:
-                    promises[key] = cost, first, start
+                    strengths = kept[first.names[0]] | kept[second.effect]
+                    promises[key] = cost, _Added(first, (second.starts[0],), strengths)
         # refits, the most promising first; another one that is hopeless beside it ends early
         chosen = sorted(promises.values(), key=lambda promise: promise[0])[: self.options.most_pairs]
         fits: list[JointFit] = []
         for group in (chosen[:1], chosen[1:]):
-            asked = []
-            for _, first, start in group:
-                names = tuple(dict.fromkeys(setting.effect for setting in start))
-                self.progress(f"refit {' with '.join(names)}")
-                strengths = frozenset().union(*(kept[name] for name in names))
-                asked.append(self._request(first, start, strengths, _cost_to_beat(fits)))
-            fits += filter(None, self._fits(asked))
+            fits += filter(None, self._with_added([added for _, added in group], _cost_to_beat(fits)))
         return fits
 
     def score_and_decide(
@@ -242,10 +232,9 @@ class Refits:
                 if name == named or other.score < least:
                     continue
                 strengths = model.strengths | other.strengths
-                start = (*model.settings, *other.starts[0])
                 kept_effects.append(kept)
-                asked.append(self._request(alone, start, strengths, pair.cost))
-        fits = zip(kept_effects, self._fits(asked), strict=True)
+                asked.append(_Added(alone, (other.starts[0],), strengths))
+        fits = zip(kept_effects, self._with_added(asked, pair.cost), strict=True)
         return [(kept, fit) for kept, fit in fits if fit is not None]
 
     def _fits(self, requests: Sequence[FitRequest]) -> list[JointFit | None]:
@@ -257,28 +246,42 @@ class Refits:
         tasks = [_HeldOut(self.whitened, fit, self.options.seed) for fit in fits]
         return [outcome.value for outcome in self.runner.outcomes(_HeldOut.costs, tasks)]
 
-    def _request(
-        self, near: JointFit, start: Sequence[EffectSetting], kept: frozenset[Strength], to_beat: float = np.inf
-    ) -> FitRequest:
-        """Request of the joint fit from start settings.
-
-        Parameters
-        ----------
-        near : JointFit
-            Fit from which material, contact offsets and errors of the simulation start.
-        start : sequence of EffectSetting
-            Effects with their start values.
-        kept : frozenset of Strength
-            Strengths that are free.
-        to_beat : float
-            Cost of another explanation: the fit ends early where it stays far behind.
-        """
-        from_there = near.model
-        errors = len(from_there.errors)
-        model = joint_model(from_there.material, start, len(self.whitened.starts), errors, kept, from_there.box)
+    def _request(self, one: _Added, start: Sequence[EffectSetting], to_beat: float) -> FitRequest:
+        """Request of a joint fit from start values of the added effect; ``to_beat`` as in `joint_fit`."""
+        near = one.near.model
+        settings, errors = (*near.settings, *start), len(near.errors)
+        model = joint_model(near.material, settings, len(self.whitened.starts), errors, one.strengths, near.box)
         of_material_and_effects = model.vector[: 3 + len(model.coordinates)]
-        model = model.at(np.concatenate([of_material_and_effects, from_there.errors]), from_there.offsets)
+        model = model.at(np.concatenate([of_material_and_effects, near.errors]), near.offsets)
         return FitRequest(model, to_beat=to_beat)
+
+
+@dataclass(frozen=True)
+class _Added:
+    """An effect that is added to a fit.
+
+    Parameters
+    ----------
+    near : JointFit
+        The fit. Its effects, material, contact offsets and errors of the simulation are where the refit starts.
+    starts : tuple of tuples of EffectSetting
+        Settings of the added effect from which refits start, the most promising first.
+    strengths : frozenset of Strength
+        Strengths that are free, of all effects.
+    """
+
+    near: JointFit
+    starts: tuple[tuple[EffectSetting, ...], ...]
+    strengths: frozenset[Strength]
+
+    def __str__(self) -> str:
+        settings = (*self.near.model.settings, *self.starts[0])
+        return " with ".join(dict.fromkeys(setting.effect for setting in settings))
+
+    @property
+    def weak(self) -> tuple[EffectSetting, ...]:
+        """The first start with a small share of its strengths: next to the fit itself."""
+        return tuple(setting.weakened(WEAK) for setting in self.starts[0])
 
 
 @dataclass(frozen=True)

@@ -93,9 +93,6 @@ class DecisionThresholds:
     decisive_signature : float
         Signature statistic from which the share of the excess no longer counts: what else the simulation lacks leaves
         an excess of its own.
-    confirmed_share : float
-        Share of the needed evidence that is enough for an effect which errors of the simulation resemble, and which
-        all trajectories and all indenters confirm as they confirm no such error.
     trend_sigmas, trend_share : float
         An effect whose strength changes during the session is not named: the change from the middle of the session to
         its end has so many standard errors, and is so large a share of the strength.
@@ -169,7 +166,6 @@ class DecisionThresholds:
     certain_signature: float = 4.0
     signature_threshold: float = 3.0
     decisive_signature: float = 7.0
-    confirmed_share: float = 0.5
     trend_sigmas: float = 4.0
     trend_share: float = 0.15
     least_excess_share: float = 0.05
@@ -203,6 +199,10 @@ class DecisionThresholds:
     def with_errors(self, size: float) -> DecisionThresholds:
         """Return the thresholds beside errors of the simulation of a size, `error_sizes.typical_size`."""
         return replace(self, error_size=max(1.0, size))
+
+    def unlike_errors(self, names: Sequence[str]) -> DecisionThresholds:
+        """Return the thresholds where errors of the simulation are known not to be what looks like these effects."""
+        return replace(self, claims={name: value for name, value in self.claims.items() if name not in names})
 
     def growth(self, names: Sequence[str]) -> float:
         """Return the factor on evidence that effects need: by the data, and by the size of the simulation's errors."""

@@ -8,15 +8,17 @@ import pytest
 from tied_worlds import START, effect, recorded
 
 from tactiledata.diagnose.naming import joint_fit as module
-from tactiledata.diagnose.naming import kept_fits
+from tactiledata.diagnose.naming import kept_fits, refit
 from tactiledata.diagnose.naming.joint_fit import joint_fit, plain_fit
 from tactiledata.diagnose.naming.kept_fits import FitRequest, KeptFits
 from tactiledata.diagnose.naming.linearise import Linearised
 from tactiledata.diagnose.naming.name_effects import name_effects
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.naming.parameters import joint_model
-from tactiledata.diagnose.naming.screen import screen
+from tactiledata.diagnose.naming.refit import Refits
+from tactiledata.diagnose.naming.screen import Screened, screen
 from tactiledata.diagnose.naming.signatures import effect_signatures
+from tactiledata.diagnose.naming.strength import Strength
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.errors import TactileDataError, UsageError
 
@@ -105,6 +107,36 @@ def test_a_refit_reaches_what_the_screen_promises(late):
     found = joint_fit(white, start)
     assert promised.score > 40.0
     assert 0.95 * promised.score < base.cost - found.cost < 1.25 * promised.score
+
+
+@pytest.mark.parametrize("balances", [True, False])
+def test_an_added_effect_never_costs_more_than_the_fit_without_it(late, monkeypatch, balances):
+    """A refit that its start leads astray, or that finds no balance there, is made again from next to that fit."""
+    white, base = late
+    far = {"lag": ("delay", 0.5), "clock_skew": ("rate", 4e-3)}
+
+    def fit(whitened, start, held=(), rounds=12, to_beat=np.inf):
+        is_far = any(setting.values[far[setting.effect][0]] >= far[setting.effect][1] for setting in start.settings)
+        if is_far and not balances:
+            raise UsageError("no balance", "a weaker effect", "Lessen it.")
+        return joint_fit(whitened, start, held, 0 if is_far else 2, to_beat)
+
+    def promising(name):
+        number, value = far[name]
+        strengths = frozenset({Strength(name, number)})
+        return Screened(name, 1e4, 1e4, [tuple(effect(name, **{number: value}))], strengths)
+
+    monkeypatch.setattr(kept_fits, "joint_fit", fit)
+    monkeypatch.setattr(refit, "effect_signatures", lambda *_: [])
+    refits = Refits(white, base, NamingOptions(), lambda text: None)
+    lag, skew = (refits.singles([promising(name)])[0] for name in far)
+    assert lag.cost <= base.cost
+    assert skew.cost <= base.cost
+    # both orders of a pair start far away
+    monkeypatch.setattr(refit, "screen", lambda *_: [promising("clock_skew")])
+    pairs = refits.pairs([promising(name) for name in far], [lag, skew])
+    assert [pair.names for pair in pairs if pair.names[0] == "lag"] == [("lag", "clock_skew")]
+    assert all(pair.cost <= lag.cost for pair in pairs if pair.names[0] == "lag")
 
 
 def test_a_fit_is_made_once_until_it_is_forgotten(late, monkeypatch):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from candidates import EASY, HARD, MUCH, OTHER_EASY, candidate, decided, scattered, with_evidence
 
-from tactiledata.diagnose.naming.decide import needed_of
+from tactiledata.diagnose.naming.decide import needed_of, objections_beside, objections_to
 from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
 from tactiledata.effects import EFFECTS
 
@@ -79,6 +79,46 @@ def test_trajectories_agree_on_a_second_effect_that_errors_resemble():
         agreement = {EASY: 9.0, second: least * T.signature_threshold}
         pair = dataclasses.replace(pair_beside(first, alone, 1.1 * needed), agreement_beside=agreement)
         assert set(needed_of(pair, [first, alone], T).names) == named
+
+
+@pytest.mark.parametrize(
+    ("adds", "agrees", "gains", "reason"),
+    [
+        (0.9, 9.0, 1.0, "errors of the simulation alone can bring up to"),
+        (1.1, 0.9 * T.signature_threshold, 1.0, f"agree on ({0.9 * T.signature_threshold:.1f} standard errors)"),
+        (1.1, 9.0, -1.0, "not confirmed by held-out trajectories"),
+        (1.1, 9.0, 1.0, ""),
+    ],
+)
+def test_a_pair_that_is_not_claimed_says_why_one_of_its_effects_suffices(adds, agrees, gains, reason):
+    """Each objection to the second effect is told alone, with both names as a reader knows them; else there is none."""
+    needed = T.claim(HARD)
+    first, alone = with_evidence(EASY, 6.0 * needed), with_evidence(HARD, 1.2 * needed)
+    pair = dataclasses.replace(
+        pair_beside(first, alone, adds * needed), agreement_beside={EASY: 9.0, HARD: agrees},
+        gains=first.gains + gains * needed / 25,
+    )  # fmt: skip
+    said = objections_to(pair, [first, alone], T)
+    assert len(said) == bool(reason)
+    assert all(reason in text and EFFECTS[EASY]().title in text and EFFECTS[HARD]().title in text for text in said)
+    # the single effects need no such reason
+    assert objections_to(first, [first, alone], T) == ()
+    assert said == objections_beside(pair, first, alone, T)
+
+
+def test_a_second_effect_that_only_repairs_the_first_says_so():
+    """A tenth of a strong first effect is what a form that is a little off can leave."""
+    first, alone = with_evidence(EASY, 100.0 * MUCH), candidate(OTHER_EASY, 0.1)
+    pair = pair_beside(first, alone, 0.9 * T.second_share * first.evidence)
+    (said,) = objections_to(pair, [first, alone], T)
+    assert "a form that is a little off" in said
+
+
+def test_a_pair_with_objections_of_its_own_tells_those():
+    """What speaks against both effects together comes first."""
+    first, alone = with_evidence(EASY, MUCH), with_evidence(OTHER_EASY, MUCH)
+    pair = dataclasses.replace(pair_beside(first, alone, MUCH), indenter_gain=-2.0, indenter_error=1.0)
+    assert objections_to(pair, [first, alone], T) == pair.objections(T) != ()
 
 
 def test_an_effect_with_an_implausible_strength_does_not_suffice():
