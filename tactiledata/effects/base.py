@@ -44,6 +44,9 @@ class Effect:
         Names of effects that leave similar traces in the data.
     distinguishing_trial : str
         The trial that separates the effect from its look-alikes.
+    unlisted_look_alike : str
+        Physics outside the catalogue that was given the name of the effect, and the trial that tells the two apart, in
+        words; empty where none is known.
     detectability : str
         What can be seen of the effect on such a rig, with a number.
     reference : str
@@ -72,6 +75,7 @@ class Effect:
     feeds_back: ClassVar[bool] = False
     designs: ClassVar[Mapping[str, tuple[float, ...]]] = {}
     varies_by: ClassVar[str] = ""
+    unlisted_look_alike: ClassVar[str] = ""
 
     def complete(self, values: Mapping[str, float]) -> dict[str, float]:
         """Return all parameters by name: the given values, checked, and the defaults of the others.

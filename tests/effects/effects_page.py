@@ -30,10 +30,11 @@ def row(name):
 
 
 def trial(name):
-    """The line of an effect: what can be seen of it, the trial that separates it, and what it needs."""
+    """The line of an effect: what can be seen of it, the trial that separates it, what it needs, what else acts alike."""
     effect = EFFECTS[name]
     needs = f" Needs {', '.join(f'`{field}`' for field in effect.needs)}." if effect.needs else ""
-    return f"- `{name}`: {effect.detectability} *{effect.distinguishing_trial}*{needs}"
+    outside = f" Outside the catalogue: {effect.unlisted_look_alike}." if effect.unlisted_look_alike else ""
+    return f"- `{name}`: {effect.detectability} *{effect.distinguishing_trial}*{needs}{outside}"
 
 
 def page(text):

@@ -308,9 +308,11 @@ def _of_the_known(best: ScoredCandidate, naming: NamingResult) -> str:
     """Return the warning that an effect outside the catalogue may be given the name of its nearest one."""
     tried = {*naming.identifiable.effects, *naming.identifiable.without_trace}
     nearest = "this is the nearest" if len(best.names) == 1 else "these two are the nearest"
+    alike = "; ".join(filter(None, (EFFECTS[name].unlisted_look_alike for name in best.names)))
+    example = f": {alike}" if alike else ""
     return (
         f"Of {len(tried)} effects that were tried, {nearest}. An effect outside the catalogue that acts alike would be"
-        " given the same name."
+        f" given the same name{example}."
     )
 
 

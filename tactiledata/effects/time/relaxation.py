@@ -43,6 +43,10 @@ class Relaxation(Effect):
     distinguishing_trial = (
         "A dwell of 60 s at one depth: force falls at zero motion; a lag does not, and ends within a second."
     )
+    unlisted_look_alike = (
+        "water that drains out of the gel, or a relaxation that is faster in a warm gel. Dwells of half a minute under"
+        " a small and under a large contact, without a slide, on a cold and on a warm sensor, tell them apart"
+    )
     detectability = "share 0.1: 0.5 N at 5 N in the first dwell second; E and mu hide 50 to 84 % of its variance."
     reference = "Lakes, Viscoelastic Materials"
 

@@ -10,15 +10,16 @@ from tactiledata.diagnose.naming.decide import Decision
 from tactiledata.diagnose.naming.remaining_structure import RemainingStructure
 from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
 from tactiledata.diagnose.verdict import Verdict
+from tactiledata.effects import EFFECTS
 
 IN_TWO = RemainingStructure(DEFAULT_THRESHOLDS.structure_dispersion + 0.2, 1.0, ("t3", "t9"))
 
 
-def naming(claimed, left):
-    """The part of a naming that the sentences read; with a claim of relaxation, or without any."""
-    best = SimpleNamespace(names=("relaxation",), label="relaxation", at_bounds=()) if claimed else None
+def naming(claimed, left, effect="relaxation"):
+    """The part of a naming that the sentences read; with a claim of the effect, or without any."""
+    best = SimpleNamespace(names=(effect,), label=effect, at_bounds=()) if claimed else None
     verdict = Verdict.PARTLY_EXPLAINED if claimed else Verdict.NOTHING_FOUND
-    decision = Decision(verdict, best, (), {"relaxation": 0.9999, "none": 0.0001}, (), left, False)
+    decision = Decision(verdict, best, (), {effect: 0.9999, "none": 0.0001}, (), left, False)
     nothing = SimpleNamespace(undetectable=(), undetectable_numbers=(), effects=(), without_trace=())
     scored = [best] if claimed else []
     return SimpleNamespace(decision=decision, scored=scored, odd=(), identifiable=nothing)
@@ -41,3 +42,12 @@ def test_no_probability_above_that_of_a_claim_is_stated():
     found = naming(True, IN_TWO)
     assert Answer(found).what[0].endswith("(probability 0.99).")
     assert _probabilities(found) == "Probabilities: viscoelastic relaxation 99 %."
+
+
+@pytest.mark.parametrize("effect", ["relaxation", "lag"])
+def test_what_was_given_the_same_name_is_said_with_the_trial_that_tells(effect):
+    """The warning of effects outside the catalogue ends with one that is known, where there is one."""
+    (warning,) = [text for text in Answer(naming(True, IN_TWO, effect)).what if "outside the catalogue" in text]
+    known = EFFECTS[effect].unlisted_look_alike
+    assert bool(known) == (effect == "relaxation")
+    assert warning.endswith(f"given the same name: {known}." if known else "given the same name.")
