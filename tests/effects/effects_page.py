@@ -30,7 +30,7 @@ def row(name):
 
 
 def trial(name):
-    """The line of an effect: what can be seen of it, the trial that separates it, what it needs, what else acts alike."""
+    """The line of an effect: what can be seen of it, what separates it, what it needs, and what else acts alike."""
     effect = EFFECTS[name]
     needs = f" Needs {', '.join(f'`{field}`' for field in effect.needs)}." if effect.needs else ""
     outside = f" Outside the catalogue: {effect.unlisted_look_alike}." if effect.unlisted_look_alike else ""

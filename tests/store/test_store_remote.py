@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import hashlib
 import http.server
@@ -65,6 +66,27 @@ class _Quiet(http.server.SimpleHTTPRequestHandler):
         self.wfile.write(part)
 
 
+class _WholeFiles(http.server.SimpleHTTPRequestHandler):
+    """Serves whole files whatever range is asked for, as `python -m http.server` does."""
+
+    def log_message(self, *_: object) -> None:
+        pass
+
+
+@contextlib.contextmanager
+def _served(folder: Path, handler: type[http.server.SimpleHTTPRequestHandler]) -> Iterator[str]:
+    """The URL of a store that a server of this process serves."""
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(handler, directory=str(folder.parent)))
+    thread = threading.Thread(target=server.serve_forever)
+    thread.start()
+    try:
+        yield f"http://127.0.0.1:{server.server_port}/{folder.name}"
+    finally:
+        server.shutdown()
+        server.server_close()
+        thread.join()
+
+
 @pytest.fixture
 def url(folder: Path, tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[str]:
     """The store's URL over a protocol."""
@@ -83,14 +105,20 @@ def url(folder: Path, tmp_path: Path, request: pytest.FixtureRequest) -> Iterato
         yield f"file://{folder}"
     else:
         pytest.importorskip("aiohttp")
-        handler = functools.partial(_Quiet, directory=str(folder.parent))
-        server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler)
-        thread = threading.Thread(target=server.serve_forever)
-        thread.start()
-        yield f"http://127.0.0.1:{server.server_port}/{folder.name}"
-        server.shutdown()
-        server.server_close()
-        thread.join()
+        with _served(folder, _Quiet) as place:
+            yield place
+
+
+def test_a_server_without_byte_ranges_is_named(folder: Path) -> None:
+    """Whole files in the place of ranges would be read as damage: the message says what the server lacks."""
+    pytest.importorskip("aiohttp")
+    with _served(folder, _WholeFiles) as place:
+        store = Store.open(place)
+        assert store.n_frames == Store.open(folder).n_frames
+        for read in (lambda: store.images([0]), lambda: store.signal("wrench").values(0, 3)):
+            with pytest.raises(StoreError, match="asked for 2 bytes") as caught:
+                read()
+            assert "python -m http.server" in str(caught.value)
 
 
 @pytest.mark.slow

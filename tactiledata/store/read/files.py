@@ -18,12 +18,16 @@ from zarr.storage import FsspecStore, LocalStore
 
 from tactiledata.contract.lfs_pointer import START, refuse_pointer_bytes
 from tactiledata.errors import LostFile, StoreError
+from tactiledata.store.layout.places import MANIFEST
 from tactiledata.store.layout.regular_files import need_regular, need_regular_files
 
 MOST_MAPS = 256
 """Files that are mapped at once; each keeps a file descriptor, and 1024 is a usual limit."""
 MOST_ARRAYS = 256
 """Arrays that stay open at once: opening one again takes as long as reading some thousand rows."""
+
+PROBED = 2
+"""Bytes that are asked of a remote store's manifest, to see whether ranges are served."""
 
 Span = tuple[str, int, int]
 """(path, first byte, byte after the last); a first byte below zero counts from the end, to the end."""
@@ -201,6 +205,7 @@ class RemoteFiles(StoreFiles):
         self.location = url
         self._options = dict(options or {})
         self._opened: tuple[fsspec.AbstractFileSystem, str] | None = None
+        self._gives_ranges = False
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_opened": None}
@@ -219,6 +224,21 @@ class RemoteFiles(StoreFiles):
             self._opened = system, folder.rstrip("/")
         return self._opened
 
+    def _need_ranges(self) -> None:
+        """Refuse a server that answers with whole files where parts are asked for, as that of Python does."""
+        if self._gives_ranges:
+            return
+        with _client_errors():
+            got = len(self._system[0].cat_file(self._join(MANIFEST), start=0, end=PROBED))
+        if got > PROBED:
+            raise StoreError(
+                f"{self.location}: asked for {PROBED} bytes of {MANIFEST}, the server sent {got}",
+                "a server that answers a request for a range of bytes with these bytes",
+                "`python -m http.server` does not. Use nginx, Apache, `rclone serve http` or an object store, or copy"
+                " the store to this machine.",
+            )
+        self._gives_ranges = True
+
     def _join(self, path: str) -> str:
         folder = self._system[1]
         return f"{folder}/{path}" if folder else path
@@ -231,6 +251,7 @@ class RemoteFiles(StoreFiles):
         """Ranges of files, fetched together."""
         if not spans:
             return []
+        self._need_ranges()
         paths = [self._join(path) for path, _, _ in spans]
         starts = [start for _, start, _ in spans]
         stops = [None if start < 0 else stop for _, start, stop in spans]
@@ -259,6 +280,7 @@ class RemoteFiles(StoreFiles):
 
     def array(self, path: str) -> zarr.Array:
         """An array, to read."""
+        self._need_ranges()
         store = FsspecStore.from_url(self.location, storage_options=self._options, read_only=True)
         return _opened(store, path, self)
 
