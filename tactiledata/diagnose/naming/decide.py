@@ -237,7 +237,7 @@ def objections_to(
 def objections_beside(
     pair: ScoredCandidate, first: ScoredCandidate, second: ScoredCandidate, thresholds: DecisionThresholds
 ) -> tuple[str, ...]:
-    """Return sentences that say why the second effect of a pair adds too little beside the first; empty where it does.
+    """Return sentences on why the second effect of a pair adds too little beside the first; empty where it adds enough.
 
     What it adds is the evidence of the pair less that of the first effect alone. There are four objections. Errors of
     the simulation can bring as much: it is below the evidence that a claim of the second effect needs. A first effect
