@@ -40,11 +40,15 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return place
 
 
-class _Quiet(http.server.SimpleHTTPRequestHandler):
-    """Serves byte ranges, silently."""
+class _WholeFiles(http.server.SimpleHTTPRequestHandler):
+    """Serves whole files whatever range is asked for, as `python -m http.server` does, silently."""
 
     def log_message(self, *_: object) -> None:
         pass
+
+
+class _Ranges(_WholeFiles):
+    """Serves byte ranges, silently."""
 
     def do_GET(self) -> None:
         asked = self.headers.get("Range")
@@ -64,13 +68,6 @@ class _Quiet(http.server.SimpleHTTPRequestHandler):
         self.send_header("Content-Range", f"bytes {start}-{start + len(part) - 1}/{size}")
         self.end_headers()
         self.wfile.write(part)
-
-
-class _WholeFiles(http.server.SimpleHTTPRequestHandler):
-    """Serves whole files whatever range is asked for, as `python -m http.server` does."""
-
-    def log_message(self, *_: object) -> None:
-        pass
 
 
 @contextlib.contextmanager
@@ -105,7 +102,7 @@ def url(folder: Path, tmp_path: Path, request: pytest.FixtureRequest) -> Iterato
         yield f"file://{folder}"
     else:
         pytest.importorskip("aiohttp")
-        with _served(folder, _Quiet) as place:
+        with _served(folder, _Ranges) as place:
             yield place
 
 

@@ -100,7 +100,7 @@ class Refits:
         best = [
             min(filter(None, [next(fits) for _ in one.starts]), key=lambda fit: fit.cost, default=None) for one in asked
         ]
-        # the fit without what is added is a special case that costs less: a fit from near it does not end above it
+        # the fit without what is added is a special case: where a refit ends above it, one from near it is tried, too
         above = [place for place, fit in enumerate(best) if fit is None or fit.cost > asked[place].near.cost]
         near = [self._request(asked[place], asked[place].weak, to_beat) for place in above]
         for place, fit in zip(above, self._fits(near), strict=True):
