@@ -28,6 +28,7 @@ from tactiledata.diagnose.touches.store_touches import StoreTouches, store_touch
 from tactiledata.diagnose.unseen.compare import show
 from tactiledata.diagnose.unseen.touch_residuals import case_residuals, locating, signature_fields
 from tactiledata.diagnose.zeros.causes import no_zeros, zero_causes
+from tactiledata.diagnose.zeros.coarse_steps import find_coarse_steps
 from tactiledata.diagnose.zeros.dead_band import find_dead_band
 from tactiledata.diagnose.zeros.inertia import find_inertia
 from tactiledata.diagnose.zeros.readings import StoreReadings
@@ -133,9 +134,10 @@ def _diagnosed(
     readings = StoreReadings(opened)
     free = readings.zeros()
     remarks = [*limits(played.touch_set, naming.base.model.material), *filter(None, [no_zeros(free)])]
-    dead_band = find_dead_band(readings.logged())
+    logged = readings.logged()
+    dead_band = find_dead_band(logged)
     causes = zero_causes(free, options.seed, dead_band.force if dead_band else 0.0)
-    shown_by_readings = dead_band, find_inertia(readings.moves(), options.seed)
+    shown_by_readings = dead_band or find_coarse_steps(logged), find_inertia(readings.moves(), options.seed)
     simulated = simulated_trajectories(store, played.uids)
     return StoreDiagnosis(
         store.digest,

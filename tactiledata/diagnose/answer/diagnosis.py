@@ -18,6 +18,7 @@ from tactiledata.diagnose.touches.store_touches import StoreTouches
 from tactiledata.diagnose.unseen.compare import HeldOutComparison
 from tactiledata.diagnose.verdict import Verdict
 from tactiledata.diagnose.zeros.causes import ZeroCause
+from tactiledata.diagnose.zeros.coarse_steps import CoarseSteps
 from tactiledata.diagnose.zeros.dead_band import DeadBand
 from tactiledata.diagnose.zeros.inertia import FreeAirInertia
 
@@ -49,7 +50,7 @@ class StoreDiagnosis:
         How many of the played trajectories are of simulated recordings.
     full_plays : tuple of FullPlay
         Effects that were played in full after an estimate, and how far the estimate was off.
-    readings : tuple of DeadBand or FreeAirInertia
+    readings : tuple of DeadBand, CoarseSteps or FreeAirInertia
         What the force sensor's readings show by themselves.
     stated : tuple of StatedMaterial
         E, nu and mu of other steps, to be set beside those that were fitted.
@@ -66,7 +67,7 @@ class StoreDiagnosis:
     zeros: list[ZeroCause]
     simulated: SimulatedCount = NOTHING_STATED
     full_plays: tuple[FullPlay, ...] = ()
-    readings: tuple[DeadBand | FreeAirInertia, ...] = ()
+    readings: tuple[DeadBand | CoarseSteps | FreeAirInertia, ...] = ()
     stated: tuple[StatedMaterial, ...] = ()
 
     @property

@@ -266,7 +266,7 @@ def objections_beside(
     elif adds < max(
         thresholds.second_share * first.evidence, thresholds.remainder_share * min(first.evidence, second.evidence)
     ):
-        reasons.append(f"{beside} adds an evidence of {adds:.1f} only, which a form that is a little off can bring")
+        reasons.append(f"{beside} adds an evidence of {adds:.1f} only, which the first can bring if its form is off")
     agrees = pair.agreement_beside.get(name, np.inf)
     if agrees < thresholds.signature_threshold and thresholds.is_resembled((name,)):
         reasons.append(f"{beside} is not what the trajectories agree on ({agrees:.1f} standard errors)")

@@ -100,7 +100,8 @@ class ErrorFrames:
         simulated = np.nan_to_num(simulated)
         load, poses = simulated[:, 2], np.nan_to_num(self.poses)
         most = largest_so_far(load, self.starts)
-        unloaded = np.where(most > 0, 1.0 - load / np.where(most > 0, most, 1.0), 0.0)
+        # a sensor that turns or mixes components can show a pull, which takes off no more than all
+        unloaded = np.where(most > 0, np.clip(1.0 - load / np.where(most > 0, most, 1.0), 0.0, 1.0), 0.0)
         limit = friction * np.maximum(load, 0.0)
         since_turn = _since_largest(simulated[:, :3], limit, self.starts)
         contact = _Contact(simulated, poses[:, :3, 3], poses[:, :2, 2], self._ways, limit, since_turn)

@@ -15,6 +15,7 @@ import numpy as np
 from tactiledata.arrays import Array
 from tactiledata.diagnose.residuals.residuals import joined_names
 from tactiledata.diagnose.residuals.wording import percent, quantity
+from tactiledata.diagnose.zeros.coarse_steps import step_of
 
 AXES = ("fx", "fy", "fz", "tx", "ty", "tz")
 """Components of a wrench."""
@@ -31,10 +32,6 @@ FEW = 0.01
 """Share of the density beyond a gap below which the readings in it are strays, not a border."""
 FEWEST_AXES = 2
 """Fewest components of one kind that must show a dead-band; one alone may be broken otherwise."""
-DIGITS = 9
-"""Digits after the point to which numbers count as equal, in N or N m."""
-STRAYS = 0.1
-"""Share of the distances between numbers that occur often which may be smaller than the step of a sensor."""
 WIDTHS = 60
 """Widths that are tried, at even distances of their logarithm."""
 
@@ -118,7 +115,7 @@ def _band_of(column: Array) -> float | None:
     smallest = np.sort(np.concatenate(sides))
     if count < FEWEST_BESIDE or min(map(len, sides)) < FEWEST_BESIDE:
         return None
-    step = _step_of(column[is_new])
+    step = step_of(column[is_new])
     # the narrowest gap ends below the smallest reading
     widths = np.geomspace(max(smallest[0] - step, step), np.quantile(smallest, 0.9), WIDTHS)
     if step > 0:
@@ -134,19 +131,6 @@ def _band_of(column: Array) -> float | None:
     best = int(np.argmin(np.where(is_gap, shares, np.inf)))
     is_border = np.arange(1, len(smallest) + 1) > FEW * 2.0 * density[best] * smallest
     return float(smallest[np.argmax(is_border)])
-
-
-def _step_of(column: Array) -> float:
-    """Return the step between the numbers that occur in a component (m,), in its unit; 0 where most numbers differ.
-
-    Numbers that occur once are strays: a sensor that saturates puts some between the steps.
-    """
-    numbers, counts = np.unique(np.round(column, DIGITS), return_counts=True)
-    is_often = counts > 1
-    if is_often.sum() < 2 or 2 * counts[is_often].sum() < len(column):
-        return 0.0
-    # a bound is a number that occurs often, and is no step
-    return float(np.quantile(np.diff(numbers[is_often]), STRAYS, method="lower"))
 
 
 def _between(sides: tuple[Array, Array], low: Array, high: Array) -> Array:

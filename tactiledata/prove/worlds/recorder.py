@@ -15,6 +15,7 @@ from tactiledata.calibrate.touches import ForceReadings
 from tactiledata.contract.take import StoredSignal
 from tactiledata.diagnose.touches.rest_means import FrameWrenches, means_at_rest, rest_spans
 from tactiledata.diagnose.touches.touch_case import BaseFamily, TouchCase, TouchSet
+from tactiledata.diagnose.zeros.coarse_steps import find_coarse_steps
 from tactiledata.diagnose.zeros.dead_band import find_dead_band
 from tactiledata.diagnose.zeros.inertia import FreeAirMoves, find_inertia
 from tactiledata.diagnose.zeros.readings import ForceZeros
@@ -185,8 +186,10 @@ class WorldMaker:
             for number, (one, way) in enumerate(zip(stored, self.ways, strict=True))
             for felt in [felt_accelerations(one.readings.seconds[: len(one.free)], *way)]
         ]
-        dead_band = find_dead_band([wrench.values for _, wrench, _ in logs])
-        shown = tuple(str(one.document["effect"]) for one in (dead_band, find_inertia(moves)) if one is not None)
+        logged = [wrench.values for _, wrench, _ in logs]
+        dead_band = find_dead_band(logged)
+        found = dead_band or find_coarse_steps(logged), find_inertia(moves)
+        shown = tuple(str(one.document["effect"]) for one in found if one is not None)
         free = [touch.free for touch in stored]
         band = dead_band.force if dead_band else 0.0
         return ReadWorld(at_frames, interpolated, free, fractions, zeros_of(logs), shown, band)

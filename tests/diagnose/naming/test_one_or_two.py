@@ -111,7 +111,7 @@ def test_a_second_effect_that_only_repairs_the_first_says_so():
     first, alone = with_evidence(EASY, 100.0 * MUCH), candidate(OTHER_EASY, 0.1)
     pair = pair_beside(first, alone, 0.9 * T.second_share * first.evidence)
     (said,) = objections_to(pair, [first, alone], T)
-    assert "a form that is a little off" in said
+    assert "if its form is off" in said
 
 
 def test_a_pair_with_objections_of_its_own_tells_those():

@@ -196,6 +196,15 @@ def test_a_contact_that_hardly_begins_changes_no_error():
     np.testing.assert_allclose(found[[0, 1, 3]], fields(), atol=1e-12)
 
 
+def test_a_pull_after_hardly_any_load_is_an_error_of_its_own_size():
+    """A sensor that mixes components shows pulls; they take off no more than all of the load before them."""
+    pull = [1e-3, 0.0, -1e-3]
+    forces = np.vstack([[0.0, 0.0, 1e-18], pull, FORCES])
+    tips = np.vstack([np.zeros((2, 3)), TIPS])
+    found = fields(forces, tips=tips, lean=np.concatenate([[0.3, 0.3], LEAN]))
+    assert np.abs(found[1]).max() <= np.linalg.norm(pull)
+
+
 def test_erred_wrenches_are_the_sum_of_all_errors():
     """Beside the simulated ones, whose unknown components stay unknown."""
     names, owner = ("ball", "bar"), np.repeat([0, 1], 3)

@@ -1,0 +1,80 @@
+"""Coarse steps of a force sensor are read from its readings; fine ones, and loads of any kind, are not."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from test_dead_band import ARM, SCALE, presses, read_through
+
+from tactiledata.diagnose.zeros.coarse_steps import find_coarse_steps
+from tactiledata.diagnose.zeros.dead_band import find_dead_band
+
+
+@pytest.mark.parametrize("kind", [np.float64, np.float32])
+@pytest.mark.parametrize(("step", "noise"), [(0.05, 0.04), (0.12, 0.1), (0.5, 0.1)])
+def test_a_planted_step_is_found_with_its_size(step, noise, kind):
+    """Steps of 0.05 to 0.5 N, also in numbers of single precision; the rounding's size follows from the step."""
+    found = find_coarse_steps([read_through(presses(seed, noise), step=step).astype(kind) for seed in range(3)])
+    assert found.step == pytest.approx(step, rel=1e-4)
+    assert found.axes == ("fx", "fy", "fz")
+    assert found.error == pytest.approx(step / 12**0.5, rel=1e-4)
+
+
+def test_words_and_document_have_the_numbers():
+    """A user reads step and rounding; the document names the effect of the catalogue."""
+    found = find_coarse_steps([read_through(presses(), step=0.12)])
+    assert "fx, fy and fz in steps of 0.12 N" in found.words
+    assert "0.035 N in the root mean square" in found.words
+    assert found.document["effect"] == "quantisation"
+    assert found.document["values"] == {"step": found.step}
+
+
+@pytest.mark.parametrize(("step", "noise"), [(0.01, 0.1), (0.03, 0.0), (0.05, 0.1)])
+def test_steps_that_do_not_matter_are_no_finding(step, noise):
+    """Below 0.035 N, or with less than a twentieth of the variance: the FT 300-S sends counts of 0.01 N."""
+    assert find_coarse_steps([read_through(presses(noise=noise), step=step)]) is None
+
+
+@given(st.integers(0, 1000), st.sampled_from([0.0, 0.02, 0.1]), st.sampled_from([1, 3]))
+def test_readings_without_steps_have_none(seed, noise, held):
+    """Whatever the noise, and where each reading is logged three times."""
+    readings = np.repeat(presses(seed, noise, 3), held, axis=0)
+    assert find_coarse_steps([readings]) is None
+
+
+def test_strays_between_the_steps_are_allowed_and_other_lattices_are_not():
+    """Half a per cent of other numbers changes nothing; with a twentieth the readings are not those of a step."""
+    readings = read_through(presses(), step=0.12)
+    rng = np.random.default_rng(0)
+    for share, is_found in ((0.005, True), (0.05, False)):
+        stray = rng.random(readings.shape) < share
+        mixed = np.where(stray, readings + SCALE * rng.uniform(0.02, 0.1, readings.shape), readings)
+        assert (find_coarse_steps([mixed]) is not None) == is_found
+
+
+def test_one_component_alone_may_be_broken():
+    """Two of three forces have to show a step; torques are not asked."""
+    readings = presses()
+    for columns, is_found in ((1, False), (2, True)):
+        mixed = readings.copy()
+        mixed[:, :columns] = 0.12 * np.round(mixed[:, :columns] / 0.12)
+        assert (find_coarse_steps([mixed]) is not None) == is_found
+    torques = np.hstack([readings[:, :3], 0.12 * ARM * np.round(readings[:, 3:] / (0.12 * ARM))])
+    assert find_coarse_steps([torques]) is None
+
+
+def test_few_or_no_readings_show_nothing():
+    """99 readings are too few, none are none, and what is not finite is left out."""
+    readings = read_through(presses(), step=0.12)
+    assert find_coarse_steps([]) is None
+    assert find_coarse_steps([readings[:99]]) is None
+    broken = readings.copy()
+    broken[::7] = np.nan
+    assert find_coarse_steps([broken]).step == pytest.approx(0.12)
+
+
+def test_a_band_within_half_a_step_shows_as_a_step_only():
+    """Rounding hides it: no numbers beside 0 are missing."""
+    readings = read_through(presses(), 0.05, 0.12)
+    assert find_dead_band([readings]) is None
+    assert find_coarse_steps([readings]).step == pytest.approx(0.12)
