@@ -15,12 +15,14 @@ from tactiledata.contract.schema import load_schema
 from tactiledata.diagnose.answer.documents import naming_document
 from tactiledata.diagnose.answer.naming_page import naming_page, naming_sentences
 from tactiledata.diagnose.answer.other_steps import StatedMaterial, other_steps_section
-from tactiledata.diagnose.answer.unseen_page import doubts, same_digits, shown_sentences
+from tactiledata.diagnose.answer.unseen_page import comparison_sections, doubts, same_digits, shown_sentences
 from tactiledata.diagnose.naming.held_out import folds_of
 from tactiledata.diagnose.naming.joint_fit import joint_fit
 from tactiledata.diagnose.naming.name_effects import name_effects
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.naming.parameters import joint_model
+from tactiledata.diagnose.naming.remaining_structure import RemainingStructure
+from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
 from tactiledata.diagnose.touches.touch_case import TouchSet
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.diagnose.unseen.compare import show
@@ -72,7 +74,7 @@ def test_a_planted_effect_closes_the_gap(relaxed):
     assert shown.errors[0].force.floor == pytest.approx(FORCE_NOISE, rel=0.1)
     said = shown_sentences(shown)
     assert said[0].startswith("On held-out trajectories the force error falls from ")
-    assert said[1].startswith("On 4 held-out indenters the error falls from ")
+    assert said[1].startswith("On 4 held-out indenters, each in turn predicted from the others, the error falls from ")
     assert not any("speaks against" in sentence for sentence in said)
     assert shown.ceiling_force <= shown.errors[0].force.before
 
@@ -150,6 +152,25 @@ def test_document_and_page_say_it(which, request):
     assert ("(solid)" in opened) == (which == "relaxed")
     assert "nan" not in html.split("base64")[0]
     assert "simulated recordings" not in html.lower()
+
+
+def test_touches_that_keep_what_is_left_are_drawn_even_where_others_have_larger_errors(nothing):
+    """The page says to look at two touches, so it shows them."""
+    naming, shown = nothing
+    names = [case.name or str(number) for number, case in enumerate(naming.whitened.touch_set.touches)]
+    small = shown.worst(len(names))[-2:]
+    left = RemainingStructure(DEFAULT_THRESHOLDS.structure_dispersion + 0.2, 1.0, tuple(names[one] for one in small))
+    odd = dataclasses.replace(naming, decision=dataclasses.replace(naming.decision, left=left))
+    drawn = [
+        [section for section in comparison_sections(one, shown.located, shown) if "largest errors" in section.title]
+        for one in (naming, odd)
+    ]
+    (plain,), (with_both,) = drawn
+    assert "keep nearly all" not in str(plain.pictures)
+    assert f"{names[small[0]]} and {names[small[1]]} keep nearly all" in str(with_both.pictures)
+    for name in left.worst_two:
+        assert f"{name}, " in str(with_both.pictures)
+        assert f"{name}, " not in str(plain.pictures)
 
 
 def test_the_same_simulation_tells_what_it_has_not_seen():

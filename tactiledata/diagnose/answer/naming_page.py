@@ -23,6 +23,7 @@ from tactiledata.diagnose.naming.decide import objections_to
 from tactiledata.diagnose.naming.evidence import ScoredCandidate
 from tactiledata.diagnose.naming.intervals import ProfiledInterval
 from tactiledata.diagnose.naming.name_effects import NamingResult
+from tactiledata.diagnose.naming.thresholds import DecisionThresholds
 from tactiledata.diagnose.residuals.wording import percent, rounded, with_interval
 from tactiledata.diagnose.unseen.compare import HeldOutComparison
 from tactiledata.effects import EFFECTS
@@ -173,14 +174,15 @@ def _what(naming: NamingResult) -> Section:
     )
     caption = "Evidence of the candidates, and the evidence that a claim of each needs."
     picture = panels_of(drawn, caption)
-    return Section(
-        "What is missing", sentences, columns, [_cells(candidate, naming) for candidate in ranked], [picture]
-    )
-
-
-def _cells(candidate: ScoredCandidate, naming: NamingResult) -> tuple[str, ...]:
-    """Return the cells of a candidate's row."""
     singles = [one for one in naming.scored if len(one.names) == 1]
+    rows = [_cells(candidate, singles, naming.thresholds) for candidate in ranked]
+    return Section("What is missing", sentences, columns, rows, [picture])
+
+
+def _cells(
+    candidate: ScoredCandidate, singles: Sequence[ScoredCandidate], thresholds: DecisionThresholds
+) -> tuple[str, ...]:
+    """Return the cells of a candidate's row; ``singles`` are the candidates with one effect."""
     # NaN where there is one indenter only: nothing could be held out
     is_alone = candidate.indenter_gain != candidate.indenter_gain
     return (
@@ -189,7 +191,7 @@ def _cells(candidate: ScoredCandidate, naming: NamingResult) -> tuple[str, ...]:
         _unbroken(with_interval(candidate.gain, candidate.gain_error, "1")),
         "-" if is_alone else _unbroken(with_interval(candidate.indenter_gain, candidate.indenter_error, "1")),
         _unbroken(f"{candidate.signature_before:.1f} → {candidate.signature_after:.1f}"),
-        "; ".join(objections_to(candidate, singles, naming.thresholds)) or "none",
+        "; ".join(objections_to(candidate, singles, thresholds)) or "none",
     )
 
 

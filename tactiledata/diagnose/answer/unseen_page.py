@@ -15,6 +15,7 @@ from tactiledata.diagnose.answer.locator_rows import (
 from tactiledata.diagnose.locate.drifts import Drift
 from tactiledata.diagnose.locate.locate import LEVEL, LocatorResults
 from tactiledata.diagnose.naming.name_effects import NamingResult
+from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
 from tactiledata.diagnose.residuals.residuals import joined_names
 from tactiledata.diagnose.residuals.wording import change_words, gap_words, p_words, rounded
 from tactiledata.diagnose.unseen.compare import HeldOutComparison
@@ -80,9 +81,10 @@ def _gained(shown: HeldOutComparison) -> list[str]:
     # the hardest of what was held out
     hardest = shown.hardest
     if hardest is not first:
-        by = "" if hardest.groups >= FEW else ", each predicted from the other alone,"
+        others = "in turn predicted from the others" if hardest.groups >= FEW else "predicted from the other alone"
         closes = f": {change_words(hardest.force)}" if hardest.has_gap else ""
-        sentences.append(f"On {hardest.groups} held-out {hardest.unseen}{by} the error {_changes(hardest)}{closes}.")
+        of_groups = f"On {hardest.groups} held-out {hardest.unseen}, each {others}"
+        sentences.append(f"{of_groups}, the error {_changes(hardest)}{closes}.")
     if any(_rises(errors) for errors in (first, hardest)):
         sentences.append("An error that rises speaks against the claim.")
     return sentences
@@ -301,12 +303,17 @@ def worst_picture(naming: NamingResult, shown: HeldOutComparison) -> Picture:
 
 
 def _overlays(naming: NamingResult, shown: HeldOutComparison) -> Section:
-    """Return the section with the measured and simulated forces of the worst trajectories."""
-    pictures = [_overlay(naming, shown, number) for number in shown.worst()]
+    """Return the section with the forces of the worst trajectories, and of those that keep what the best fit leaves."""
+    left, worst = naming.decision.left, shown.worst()
+    in_few = left.worst_two if left.is_in_few(DEFAULT_THRESHOLDS) else ()
+    named = [number for number, case in enumerate(naming.whitened.touch_set.touches) if case.name in in_few]
+    pictures = [_overlay(naming, shown, number) for number in dict.fromkeys([*worst, *named])]
     caption = (
         "Contact force over time, gel frame. Dots are measured, lines are simulated. Each trajectory is predicted by "
         "numbers that were fitted to others."
     )
+    if in_few:
+        caption += f" {joined_names(in_few)} keep nearly all of what the best fit leaves."
     picture = panels_of(draw_overlays(pictures), caption)
     return Section("Trajectories with the largest errors of the plain simulation", pictures=[picture])
 
