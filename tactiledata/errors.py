@@ -26,8 +26,12 @@ caller need not parse the text.
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable
 from typing import Any
+
+MOST_LISTED, FEW_LISTED = 30, 12
+"""Most names that a message lists in full, and how many it lists of more."""
 
 
 class TactileDataError(Exception):
@@ -94,13 +98,16 @@ class UnknownName(UsageError, KeyError):
         All names of the table.
     remedy : str
         What the reader can do now, after the proposal of near names; may be empty.
+    unless_near : str
+        What the reader can do now where no name of the table is near; may be empty.
     """
 
-    def __init__(self, kind: str, name: str, known: Iterable[str], remedy: str = "") -> None:
+    def __init__(self, kind: str, name: str, known: Iterable[str], remedy: str = "", unless_near: str = "") -> None:
         choices = sorted(set(known))
-        near = _nearest(name, choices)
-        listed = ", ".join(choices) if choices else "none"
-        hint = f"Did you mean {' or '.join(near)}?" if near else ""
+        near = near_names(name, choices)
+        shown = choices if len(choices) <= MOST_LISTED else [*choices[:FEW_LISTED], f"… ({len(choices)} in all)"]
+        listed = ", ".join(shown) if shown else "none"
+        hint = f"Did you mean {' or '.join(near)}?" if near else unless_near
         super().__init__(
             f"unknown {kind} {name!r}",
             f"one of: {listed}",
@@ -112,11 +119,29 @@ class UnknownName(UsageError, KeyError):
         )
 
 
-def _nearest(name: str, choices: list[str]) -> list[str]:
-    """The choices that a name resembles: at most three, none much less alike than the first."""
+def near_names(name: str, known: Iterable[str]) -> list[str]:
+    """Return the names that one resembles: at most three, none much less alike than the first.
+
+    Names that differ in digits alone are no misspellings of one another, but other numbers: ``t00042`` is not
+    ``t00027``. The folder before the last slash is left out of this comparison.
+
+    Parameters
+    ----------
+    name : str
+        The name that was given.
+    known : iterable of str
+        Names that it may be meant to be.
+    """
+    choices = [choice for choice in known if not _is_another_number(name, choice)]
     near = difflib.get_close_matches(name, choices, n=3, cutoff=0.4)
     alike = [difflib.SequenceMatcher(None, choice, name).ratio() for choice in near]
     return [choice for choice, ratio in zip(near, alike, strict=True) if ratio > alike[0] - 0.2]
+
+
+def _is_another_number(name: str, other: str) -> bool:
+    """Return whether two names have digits and differ in nothing else, folders before the last slash left out."""
+    shape, other_shape = (re.sub(r"\d", "0", each.rpartition("/")[2]) for each in (name, other))
+    return "0" in shape and shape == other_shape
 
 
 class MissingSplit(UsageError, KeyError):

@@ -97,6 +97,29 @@ def test_a_proposal_leaves_out_what_is_much_less_alike():
     assert UnknownName("sensor", "D2001", ["D20001", "D20011", "ball"]).facts["near"] == ["D20011", "D20001"]
 
 
+def test_another_number_is_no_misspelling():
+    """A number that is not there has no near ones; a digit too few, or a letter, is a slip."""
+    names = [f"D20001.mcap/t{number:05d}" for number in range(9)]
+    assert UnknownName("trajectory", "t00042", names).facts["near"] == []
+    assert UnknownName("trajectory", "D20001.mcap/t00042", names).facts["near"] == []
+    assert UnknownName("trajectory", "D20001.mcap/t0004", names).facts["near"][0] == "D20001.mcap/t00004"
+
+
+def test_a_remedy_may_be_for_names_that_resemble_none():
+    """Who misspelt a name is not told how to make one of the misspelt name."""
+    slip, new = (UnknownName("split", name, ["default"], unless_near="Make it.") for name in ("defualt", "by-robot"))
+    assert str(slip).endswith("Did you mean default?")
+    assert str(new).endswith("Make it.")
+
+
+def test_many_names_are_not_all_listed():
+    """Thirty names are listed, of more the first twelve and their number."""
+    few, many = (str(UnknownName("stream", "x", [f"s{n:03d}" for n in range(count)])) for count in (30, 31))
+    assert "s029" in few
+    assert "… (31 in all)" in many
+    assert "s011, …" in many
+
+
 @given(st.text(), st.text(), st.text(), st.dictionaries(st.text(min_size=1).map(lambda t: f"k{t}"), st.integers()))
 def test_any_texts_make_an_error(found, expected, remedy, facts):
     """Whatever the texts hold, the error has a text and travels."""

@@ -7,14 +7,23 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from tactiledata.errors import SchemaError, UsageError
+from tactiledata.errors import MissingFile, SchemaError, UsageError
 
 
 @contextmanager
-def wrong_document_is_wrong_usage() -> Iterator[None]:
-    """Turn a `SchemaError` in the block into a `UsageError`, whose exit code is 2."""
+def wrong_document_is_wrong_usage(written_by: str = "") -> Iterator[None]:
+    """Turn a `SchemaError` in the block into a `UsageError`, whose exit code is 2.
+
+    Parameters
+    ----------
+    written_by : str
+        Which command writes such a document: said where it does not exist. Empty where none does.
+    """
     try:
         yield
+    except MissingFile as error:
+        remedy = " ".join(filter(None, [error.remedy, written_by]))
+        raise MissingFile(error.found, error.expected, remedy, **error.facts) from error
     except SchemaError as error:
         raise UsageError(error.found, error.expected, error.remedy, **error.facts) from error
 
@@ -23,7 +32,7 @@ def calibration_document(path: Path) -> Any:
     """Return the content of a calibration.json (schemas/calibration.json)."""
     from tactiledata.contract.schema import read_document
 
-    with wrong_document_is_wrong_usage():
+    with wrong_document_is_wrong_usage("`tactiledata calibrate STORE` writes one."):
         return read_document(path, "calibration")
 
 
@@ -31,7 +40,7 @@ def effects_document(path: Path) -> Any:
     """Return the content of an effects.json (schemas/effect.json)."""
     from tactiledata.contract.schema import read_document
 
-    with wrong_document_is_wrong_usage():
+    with wrong_document_is_wrong_usage("`tactiledata diagnose STORE` writes one."):
         return read_document(path, "effect")
 
 
@@ -41,5 +50,5 @@ def mapping_document(path: Path | None) -> Any:
 
     if path is None:
         return None
-    with wrong_document_is_wrong_usage():
+    with wrong_document_is_wrong_usage("`tactiledata inspect RECORDING --suggest-mapping` writes one to begin with."):
         return read_document(path, "mapping")

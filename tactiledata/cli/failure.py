@@ -72,13 +72,9 @@ def report_failure(error: Exception, as_json: bool) -> int:
     The JSON object has ``error``, ``expected`` and ``hint`` (empty where there is none) and the exit ``code``.
     """
     if isinstance(error, typer.TyperException):
-        if as_json:
-            emit(_document(error.format_message(), "", "See --help.", error.exit_code))
-        else:
-            shown: Any = error
-            shown.show()
-        return error.exit_code
-    failure, code = _as_ours(error)
+        failure, code = _of_command_line(error), error.exit_code
+    else:
+        failure, code = _as_ours(error)
     if as_json:
         emit(_document(failure.found, failure.expected, failure.remedy, code))
     else:
@@ -98,6 +94,14 @@ def report_interruption(as_json: bool) -> None:
 def _document(found: str, expected: str, remedy: str, code: int) -> dict[str, Any]:
     """Return the JSON object of a failure."""
     return {"error": found, "expected": expected, "hint": remedy, "code": code}
+
+
+def _of_command_line(error: Any) -> TactileDataError:
+    """Return an error of the parser of the command line, such as an unknown option, as one of our tree."""
+    found, _, hint = error.format_message().partition(". ")
+    command = getattr(getattr(error, "ctx", None), "command_path", "tactiledata")
+    remedy = " ".join(filter(None, [hint, f"Run `{command} --help` for what it takes."]))
+    return TactileDataError(f"{found[:1].lower()}{found[1:]}", "", remedy)
 
 
 def _as_ours(error: Exception) -> tuple[TactileDataError, int]:

@@ -15,6 +15,7 @@ from tactiledata.cli.output import JSON_OPTION, emit, progress, say
 from tactiledata.cli.task_options import SCHEDULER, SIMULATION_WORKERS, workers_of
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
 from tactiledata.contract.extras import GEL, PAGE, need_packages
+from tactiledata.contract.wording import agreeing, counted
 from tactiledata.errors import UnknownName, UsageError
 
 SOFTEST, STIFFEST = 1e3, 1e9
@@ -97,6 +98,7 @@ def replay(
     from tactiledata.replay.attach import replay as attach
     from tactiledata.replay.options import ReplayOptions
     from tactiledata.replay.overview import write_replay_page
+    from tactiledata.store.read.flags import flagged_trajectories
     from tactiledata.store.read.reader import Store
 
     options = ReplayOptions(
@@ -132,6 +134,9 @@ def replay(
             say(
                 f"  the effects were found with {known}: the stiffness in their file compensates for the errors of that"
             )
+        if flagged := flagged_trajectories(Store.open(location)):
+            bad = f"{counted(len(flagged), 'trajectory')} {agreeing(len(flagged), 'is', 'are')}"
+            say(f"  {bad} flagged as bad and played as well: splits leave them out")
         if page is not None:
             say(f"look: {page}")
             say(f"load: TactileDataset({location!r}, split=…, streams=['digit', 'mesh/{report.mesh}'])")

@@ -17,6 +17,7 @@ import jsonschema
 import yaml
 
 from tactiledata.contract.lfs_pointer import refuse_lfs_pointer
+from tactiledata.contract.near_path import near_path
 from tactiledata.contract.wording import counted, listed
 from tactiledata.errors import MissingFile, SchemaError
 
@@ -285,7 +286,7 @@ def _check_numbers(document: Any, where: str, path: str = "$") -> None:
 def read_document(path: Path, schema: str | None = None) -> Any:
     """The document in a YAML or JSON file, checked against a schema where one is named."""
     if not path.exists():
-        raise MissingFile(f"{path} does not exist", "a YAML or JSON file", path=str(path))
+        raise MissingFile(f"{path} does not exist", "a YAML or JSON file", near_path(path), path=str(path))
     if not path.is_file():
         raise SchemaError(f"{path} is no file", "a YAML or JSON file", "Name another.", file=str(path))
     size = path.stat().st_size

@@ -190,7 +190,8 @@ def _again(store: Store, name: str) -> str:
 
 def _split_command(store: Store, name: str) -> str:
     """The command that makes a split of a store, to be copied."""
-    return shlex.join(["tactiledata", "split", store.location, "--name", name])
+    named = [] if name == "default" else ["--name", name]
+    return shlex.join(["tactiledata", "split", store.location, "--by", "trajectory,sensor", *named])
 
 
 def read_split(store: Store, name: str) -> Split:
@@ -213,7 +214,7 @@ def read_split(store: Store, name: str) -> Split:
                 f"Run `{_split_command(store, name)}` first.",
                 name=name,
             )
-        raise UnknownName("split", name, names, f"Run `{_split_command(store, name)}` to make it.")
+        raise UnknownName("split", name, names, unless_near=f"Run `{_split_command(store, name)}` to make it.")
     where = f"{store.location}/splits/{name}.parquet"
     try:
         content = store.read_file(f"splits/{name}.parquet")

@@ -8,6 +8,10 @@ import pytest
 from bench import Cases, assert_answered_in_words
 from copied_trees import copy_tree
 
+from tactiledata.export.export import export_data
+from tactiledata.export.plan import ExportPlan
+from tactiledata.store.read.reader import Store
+
 CASES = Cases()
 case = CASES.case
 
@@ -75,6 +79,50 @@ def a_store_that_is_not_there(bench):
     return ["info", bench.folder / "nowhere.zarr"]
 
 
+@case(2, "no store at", "Did you mean ds.zarr?")
+def a_store_with_a_slip(bench):
+    assert bench.store.is_dir()
+    return ["info", "ds.zar"]
+
+
+@case(2, "does not exist", "Did you mean run.mcap?")
+def a_recording_with_a_slip(bench):
+    assert bench.mcap.is_file()
+    return bench.ingest("runn.mcap")
+
+
+@case(2, "wrote as huggingface", "Train from it")
+def an_export_in_the_place_of_recordings(bench):
+    export_data(Store.open(bench.store), ExportPlan("huggingface", "none"), bench.folder / "hf")
+    return bench.ingest("hf")
+
+
+@case(2, "does not exist", "`tactiledata calibrate STORE` writes one")
+def a_calibration_that_is_not_there(bench):
+    return ["replay", bench.store, "--calibration", "nowhere.json"]
+
+
+@case(2, "does not exist", "Did you mean effects.json?", "`tactiledata diagnose STORE` writes one")
+def effects_with_a_slip(bench):
+    (bench.folder / "effects.json").write_text("{}")
+    return ["replay", bench.store, "--effects", "efects.json"]
+
+
+@case(2, "does not exist", "--suggest-mapping")
+def a_mapping_that_is_not_there(bench):
+    return [*bench.ingest(bench.mcap), "--mapping", "nowhere.yaml"]
+
+
+@case(2, "error: no such option: --resolutoin", "Possible options: --resolution", "Run `tactiledata replay --help`")
+def an_option_with_a_slip(bench):
+    return ["replay", bench.store, "--resolutoin", "low"]
+
+
+@case(2, "error: no such command 'infoo'. Did you mean 'info'? Run `tactiledata --help`")
+def a_command_with_a_slip(bench):
+    return ["infoo"]
+
+
 @case(1, "newer")
 def a_store_of_a_newer_version(bench):
     manifest = bench.store / "manifest.json"
@@ -132,7 +180,7 @@ def split_by_frame(bench):
     return ["split", bench.store, "--by", "frame"]
 
 
-@case(2, "D20099", "Did you mean")
+@case(2, "D20099", "one of: D2")
 def hold_out_of_an_unknown_sensor(bench):
     return ["split", bench.store, "--name", "other", "--hold-out", "sensor=D20099"]
 

@@ -66,9 +66,19 @@ def test_it_attaches_and_says_where_to_look(store, capsys):
     assert "preview" in out
     page = next(line.partition("look: ")[2] for line in out.splitlines() if line.startswith("look: "))
     assert "data:image/png;base64," in Path(page).read_text(encoding="utf-8")
+    assert "flagged as bad" not in out
     assert "mesh: low-linear, linear" in run_command(capsys, "info")[1]
     run_command(capsys, "report", "--out", "page")
     assert "Mesh low-linear" in Path("page/report.html").read_text(encoding="utf-8")
+
+
+def test_flagged_trajectories_are_played_and_said_to_be(store, capsys):
+    """A bad trajectory gets a mesh, which may show what was bad in it; nobody has to guess so."""
+    uid = Store.open(store).trajectories(["uid"])["uid"][0].as_py()
+    assert run_command(capsys, "flag", "ds.zarr", uid, "--reason", "bent")[0] == 0
+    code, out, err = run_command(capsys, "replay", "--fidelity", "linear", *MATERIAL)
+    assert code == 0, err
+    assert "1 trajectory is flagged as bad and played as well: splits leave them out" in out
 
 
 def test_a_calibration_gives_material_and_offsets(store, capsys):

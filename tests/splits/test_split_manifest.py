@@ -175,11 +175,16 @@ def test_missing_splits_say_how_to_make_one(store):
     """No split at all, and a name that is not there."""
     with pytest.raises(MissingSplit) as missing:
         load_split(store, "default")
-    assert f"`{shlex.join(['tactiledata', 'split', store.location, '--name', 'default'])}`" in str(missing.value)
+    assert f"`{shlex.join(['tactiledata', 'split', store.location, '--by', 'trajectory,sensor'])}`" in str(
+        missing.value
+    )
     make_split(store)
-    with pytest.raises(UnknownName, match="default") as unknown:
+    with pytest.raises(UnknownName, match=r"Did you mean default\?$"):
         load_split(store, "defualt")
-    assert f"`{shlex.join(['tactiledata', 'split', store.location, '--name', 'defualt'])}`" in str(unknown.value)
+    with pytest.raises(UnknownName, match="by-robot") as unknown:
+        load_split(store, "by-robot")
+    command = shlex.join(["tactiledata", "split", store.location, "--by", "trajectory,sensor", "--name", "by-robot"])
+    assert f"Run `{command}` to make it." in str(unknown.value)
     with pytest.raises(UnknownName, match="test_unseen"):
         frame_rows(store, load_split(store, "default"), "testing")
 

@@ -8,7 +8,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from tactiledata.contract.lfs_pointer import is_lfs_pointer, not_fetched, pointer_words
+from tactiledata.contract.near_path import near_path
 from tactiledata.contract.records import Finding, Source
+from tactiledata.contract.schema import read_document
 from tactiledata.errors import BrokenLog, MissingFile, TactileDataError, UsageError
 from tactiledata.formats import FORMATS
 from tactiledata.formats.base import Format
@@ -18,6 +20,8 @@ from tactiledata.formats.reading.natural_order import natural_key
 from tactiledata.store.layout.manifest import ADDRESS
 from tactiledata.store.layout.places import store_around
 
+EXPORT = "export.json"
+"""File that tells of an export of a store."""
 MAX_DEPTH = 4
 """Folders below a named one that are searched for recordings."""
 
@@ -67,9 +71,18 @@ def find_sources(paths: Sequence[Path], format_name: str | None = None) -> tuple
     return _unique_keys(sources), [path for path in unclaimed if str(path) not in used]
 
 
+def _export_format(path: Path) -> str:
+    """Return the format of an export in a folder, or around a file; empty where there is none."""
+    document = (path if path.is_dir() else path.parent) / EXPORT
+    try:
+        return str(read_document(document, "export")["to"]) if document.is_file() else ""
+    except TactileDataError:
+        return ""
+
+
 def _absent(path: Path) -> MissingFile:
     """What is said of a path at which nothing is; an address has lost one of its two slashes on the way here."""
-    expected, remedy = "a recording or a folder of recordings", "Check the spelling."
+    expected, remedy = "a recording or a folder of recordings", near_path(path) or "Check the spelling."
     if ADDRESS.match(str(path)):
         remedy = "It looks like an address: only stores are read from there. Copy the recordings to this machine first."
     return MissingFile(f"{path} does not exist", expected, remedy, path=str(path))
@@ -112,6 +125,13 @@ def _no_recording(path: Path, left: Sequence[Path]) -> TactileDataError:
             f"{path} is {'' if store == path.resolve() else 'inside '}a store",
             "recordings, from which stores are made",
             "`tactiledata info` shows what a store holds, `tactiledata merge` joins stores.",
+            path=str(path),
+        )
+    if exported_as := _export_format(path):
+        return UsageError(
+            f"{path} is what `tactiledata export-data` wrote as {exported_as}",
+            "recordings, or an export as mcap, the only one that is read back",
+            "Train from it as its README.md says, or ingest the recordings that it was made of.",
             path=str(path),
         )
     if path.is_dir() and not left:

@@ -11,6 +11,7 @@ from typing import Any
 
 from tactiledata.contract.atomic import write_atomic
 from tactiledata.contract.lfs_pointer import refuse_pointer_bytes
+from tactiledata.contract.near_path import near_path
 from tactiledata.contract.provenance import bytes_digest
 from tactiledata.contract.schema import check_document
 from tactiledata.contract.sealed import SEAL, fits_seal, sealed_json
@@ -197,7 +198,7 @@ def not_a_store(location: str, exists: bool) -> MissingFile | StoreError:
         return MissingFile(
             f"there is no store at {location}",
             "the folder or URL of a store",
-            "Check the name, or make the store with `tactiledata ingest`.",
+            near_path(Path(location), ".zarr") or "Check the name, or make the store with `tactiledata ingest`.",
             path=location,
         )
     if Path(location).exists() and not Path(location).is_dir():

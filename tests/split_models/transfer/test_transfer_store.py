@@ -329,8 +329,8 @@ def test_swapped_channels_of_the_target_are_refused(source, tmp_path):
 
 @pytest.mark.slow
 def test_sensors_are_named_or_known(source, target, tmp_path):
-    """An unknown source sensor lists near names; one without a background says how to add it."""
-    with pytest.raises(UnknownName, match="Did you mean"):
+    """An unknown source sensor lists those that there are; one without a background says how to add it."""
+    with pytest.raises(UnknownName, match="one of: D1, D2"):
         transfer_store(source, target, SWAP, tmp_path / "out.zarr", sensors=["D3"])
     bare = write_two_sensors(tmp_path / "bare.zarr", n_sources=2, with_backgrounds=("D1",))
     with pytest.raises(StoreError, match=r"without a picture without contact: D2.*sensors add D2"):

@@ -1,0 +1,39 @@
+"""A proposal where a path does not exist: what its folder holds under a name that is nearly the same."""
+
+from __future__ import annotations
+
+import difflib
+from pathlib import Path
+
+from tactiledata.errors import near_names
+
+MOST_LOOKED_AT = 10_000
+"""Most entries of a folder that are compared with a name."""
+
+
+ALIKE = 0.7
+"""Least likeness of two names without their endings: 1 where they are the same."""
+
+
+def near_path(path: Path, ending: str = "") -> str:
+    """Return the question whether a neighbour of a path was meant, such as "Did you mean ds.zarr?"; empty without one.
+
+    Parameters
+    ----------
+    path : Path
+        A path at which nothing is.
+    ending : str
+        What the names of neighbours end in; all are compared where it is empty.
+    """
+    try:
+        names = [entry.name for entry, _ in zip(path.parent.iterdir(), range(MOST_LOOKED_AT), strict=False)]
+    except OSError:
+        return ""
+    alike = [name for name in sorted(names) if name.endswith(ending) and _likeness(name, path.name) >= ALIKE]
+    near = near_names(path.name, alike)
+    return f"Did you mean {' or '.join(str(path.with_name(name)) for name in near)}?" if near else ""
+
+
+def _likeness(name: str, other: str) -> float:
+    """Return how alike two names of files are without their endings, 0 to 1."""
+    return difflib.SequenceMatcher(None, Path(name).stem, Path(other).stem).ratio()
