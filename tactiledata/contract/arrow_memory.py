@@ -1,8 +1,11 @@
-"""Bytes in memory of Arrow's own, so that its threads can let go of them whenever they like."""
+"""Reading tables so that no thread of Arrow outlives it, and bytes that such a thread may let go of at any time."""
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pyarrow as pa
+import pyarrow.parquet as pq
 
 
 def arrow_reader(content: bytes) -> pa.BufferReader:
@@ -15,3 +18,18 @@ def arrow_reader(content: bytes) -> pa.BufferReader:
     copy = pa.BufferOutputStream()
     copy.write(content)
     return pa.BufferReader(copy.getvalue())
+
+
+def read_parquet(source: Path | pa.BufferReader) -> pa.Table:
+    """Return the table in a parquet file.
+
+    `pyarrow.parquet.read_table` scans a dataset: its threads read ahead and may still run when the caller has the
+    table. Where the process ends just then, it is aborted (apache/arrow issues 34314 and 39862).
+
+    Parameters
+    ----------
+    source : Path or BufferReader
+        The file, or a reader of its bytes.
+    """
+    with pq.ParquetFile(source) as file:
+        return file.read()

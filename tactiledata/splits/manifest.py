@@ -15,7 +15,7 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from tactiledata.contract.arrow_memory import arrow_reader
+from tactiledata.contract.arrow_memory import arrow_reader, read_parquet
 from tactiledata.contract.atomic import FULL, REFUSED, write_atomic
 from tactiledata.contract.provenance import bytes_digest, provenance
 from tactiledata.contract.schema import check_document
@@ -231,7 +231,7 @@ def read_split(store: Store, name: str) -> Split:
             path=where,
         )
     try:
-        table = pq.read_table(arrow_reader(content))
+        table = read_parquet(arrow_reader(content))
         table = table.select(SPLIT_SCHEMA.names).cast(SPLIT_SCHEMA)
     except (pa.ArrowException, KeyError, ValueError) as error:
         raise StoreError(

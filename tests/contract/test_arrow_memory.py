@@ -1,11 +1,12 @@
-"""What Arrow reads from memory is memory of its own."""
+"""What Arrow reads from memory is memory of its own, and no thread of it outlives a table that is read."""
 
 import sys
 
 import pyarrow as pa
+import pyarrow.parquet as pq
 from test_layers import SOURCES
 
-from tactiledata.contract.arrow_memory import arrow_reader
+from tactiledata.contract.arrow_memory import arrow_reader, read_parquet
 
 
 def test_a_reader_has_a_copy_that_holds_nothing_of_pythons():
@@ -27,3 +28,19 @@ def test_nothing_else_lends_arrow_bytes_to_read():
         path.as_posix().rpartition("/contract/")[2] for path in SOURCES if "BufferReader(" in path.read_text("utf-8")
     }
     assert makers == {"arrow_memory.py"}
+
+
+def test_a_table_is_read_as_arrow_reads_it(tmp_path):
+    """From a file and from bytes, with dictionaries and over several row groups: the table that was written."""
+    table = pa.table({"name": pa.array(["a", "b", None] * 5).dictionary_encode(), "count": range(15)})
+    pq.write_table(table, tmp_path / "t.parquet", row_group_size=4)
+    content = (tmp_path / "t.parquet").read_bytes()
+    for found in (read_parquet(tmp_path / "t.parquet"), read_parquet(arrow_reader(content))):
+        assert found.equals(pq.read_table(tmp_path / "t.parquet"))
+
+
+def test_only_tables_of_users_are_scanned():
+    """No module reads tables by a scan of datasets, whose threads outlive it, but where minutes of work follow."""
+    scans = ("pq.read_table(", "parquet.read_table(", "pyarrow.dataset", "ParquetDataset(", "pd.read_parquet(")
+    found = {path.as_posix() for path in SOURCES if any(scan in path.read_text("utf-8") for scan in scans)}
+    assert [path.rpartition("/tactiledata/")[2] for path in found] == ["diagnose/table_input/read.py"]

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.parquet as pq
 
+from tactiledata.contract.arrow_memory import read_parquet
 from tactiledata.contract.progress import Progress
 from tactiledata.contract.provenance import digest_of
 from tactiledata.contract.records import Finding
@@ -162,7 +162,7 @@ def _next_name(file: str) -> str:
 
 
 def _flagged(place: Path, rows: np.ndarray) -> pa.Table:
-    table = pq.read_table(place, schema=TABLE_SCHEMAS["frames"])
+    table = read_parquet(place).cast(TABLE_SCHEMAS["frames"])
     flags = table["flags"].to_numpy().copy()
     flags[rows] |= FrameFlag.BROKEN
     index = table.schema.get_field_index("flags")

@@ -16,6 +16,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
+from tactiledata.contract.arrow_memory import read_parquet
 from tactiledata.contract.provenance import file_digest, json_bytes
 from tactiledata.contract.records import Stamps
 from tactiledata.contract.take import Take
@@ -58,7 +59,7 @@ class StagedTake:
 
     def table(self, name: str) -> pa.Table:
         """``frames``, ``trajectories`` or ``findings``, rows local to the take."""
-        return pq.read_table(self.folder / f"{name}.parquet", schema=TABLE_SCHEMAS[name])
+        return read_parquet(self.folder / f"{name}.parquet").cast(TABLE_SCHEMAS[name])
 
     def array(self, entry: Mapping[str, Any]) -> NDArray[Any]:
         """An array that the document describes, mapped from the disk."""

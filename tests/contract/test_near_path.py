@@ -1,0 +1,42 @@
+"""A path at which nothing is: its neighbour of nearly the same name is proposed, and nothing else."""
+
+from pathlib import Path
+
+import pytest
+
+from tactiledata.contract.near_path import near_path
+
+
+@pytest.fixture
+def folder(tmp_path):
+    for name in ("ds.zarr", "calibration.json", "calibration.html", "D20001.mcap", "D20002.mcap"):
+        (tmp_path / name).touch()
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("typed", "ending", "meant"),
+    [
+        ("ds.zar", "", ["ds.zarr"]),
+        ("calibratoin.json", "", ["calibration.json"]),
+        ("calibratoin.json", ".html", ["calibration.html"]),
+        ("D2001.mcap", "", ["D20001.mcap", "D20002.mcap"]),
+        # another number, another word, an ending alone
+        ("D20003.mcap", "", []),
+        ("missing.json", "", []),
+        ("x.zarr", "", []),
+    ],
+)
+def test_a_slip_proposes_the_neighbour_that_is_meant(folder, typed, ending, meant):
+    """With the folder in front, as it was typed; a name that is no slip of a neighbour proposes none."""
+    said = near_path(folder / typed, ending)
+    assert sorted(part for part in said.removeprefix("Did you mean ").rstrip("?").split(" or ") if part) == [
+        str(folder / name) for name in meant
+    ]
+
+
+def test_where_no_folder_is_nothing_is_proposed(folder):
+    """Neither a folder that is not there nor a file in its place is read."""
+    assert near_path(folder / "nowhere" / "ds.zarr") == ""
+    assert near_path(folder / "ds.zarr" / "ds.zarr") == ""
+    assert near_path(Path("/")) == ""
