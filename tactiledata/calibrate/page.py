@@ -12,7 +12,7 @@ from tactiledata.calibrate.fit import norm_loss, vector_loss
 from tactiledata.calibrate.losses import Loss
 from tactiledata.calibrate.remarks import in_words
 from tactiledata.calibrate.surface import loss_surface
-from tactiledata.contract.wording import counted
+from tactiledata.contract.wording import LINEAR_IS_LOW, counted
 from tactiledata.report.calibration_plots import (
     ACROSS,
     LossSurface,
@@ -70,7 +70,7 @@ def _in_short(calibration: Calibration) -> list[tuple[str, str]]:
     which, start, end = "fitted", norms.start, norms.fitted
     if np.isfinite(norms.held_out):
         which, start, end = "held-out", norms.held_out_start, norms.held_out
-    preview = " It is a preview: at 1 mm depth its forces are 5 to 20 % low." if options.fidelity == "linear" else ""
+    preview = f" It is a preview: {LINEAR_IS_LOW}." if options.fidelity == "linear" else ""
     high = " It serves for comparison: its forces are too high." if options.engine == "mujoco-flex" else ""
     return [
         ("", f"{', '.join(values[:2])} and {values[2]}. In brackets are 95 % intervals."),

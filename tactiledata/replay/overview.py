@@ -9,7 +9,7 @@ import numpy as np
 
 from tactiledata import __version__
 from tactiledata.contract.atomic import write_atomic
-from tactiledata.contract.wording import counted
+from tactiledata.contract.wording import LINEAR_IS_LOW, counted
 from tactiledata.replay.effect_words import effects_in_words
 from tactiledata.report.page import Section, render_page
 from tactiledata.report.panels import panels_of
@@ -80,7 +80,7 @@ def _settings_sentences(mesh: StoredMesh) -> list[tuple[str, str]]:
     if effects := effects_in_words(mesh.settings):
         sentences.append(("", f"With {effects}. The simulated force is what the force sensor would read."))
     if mesh.settings["fidelity"] == "linear":
-        sentences.append(("warning", "Linear is a preview: at 1 mm depth its forces are 5 to 20 % low."))
+        sentences.append(("warning", f"Linear is a preview: {LINEAR_IS_LOW}."))
     return sentences
 
 

@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from tactiledata.contract.simulated import SimulatedCount
-from tactiledata.contract.wording import counted
+from tactiledata.contract.wording import LINEAR_IS_LOW, counted
 from tactiledata.replay.effect_words import effects_in_words
 from tactiledata.replay.plan import ReplayPlan
 from tactiledata.replay.untouched import UntouchedTouch, untouched_lines, untouched_touches
@@ -113,7 +113,7 @@ class ReplayReport:
 
     def lines(self) -> list[str]:
         """Return the report as lines of text for a terminal."""
-        label = " (linear: a preview, at 1 mm depth forces are 5 to 20 % low)" if self.fidelity == "linear" else ""
+        label = f" (linear: a preview, {LINEAR_IS_LOW})" if self.fidelity == "linear" else ""
         lines = [
             f"mesh {self.mesh}{label}: {counted(self.with_mesh, 'frame')} with a mesh; {self.new_frames} frames are new"
         ]

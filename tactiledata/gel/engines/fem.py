@@ -43,7 +43,7 @@ class FemEngine:
     poisson_ratio : float
         Of the gel.
     fidelity : "finite-strain" or "linear"
-        ``linear`` is a preview: at 1 mm depth its forces are 5 to 20 % low.
+        ``linear`` is a preview: at 1 mm depth its forces are 5 to 15 % low (docs/results.md).
     tolerance : m
         At finite strain, a load step is solved when no node moves further than this in an iteration.
     stiffening : Stiffening
