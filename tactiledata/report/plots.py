@@ -79,11 +79,14 @@ def draw_touches(touches: Sequence[TouchPicture]) -> Figure:
             axes[row, 1], touch.image, ("at the largest force" if with_force else "in the middle") if row == 0 else ""
         )
         _picture(axes[row, 2], _difference(touch), "difference ×2" if row == 0 else "")
-        axes[row, 0].set_ylabel(touch.title, fontsize=8)
         if touch.has_force:
             _force(axes[row, 3], touch, is_last=row == len(touches) - 1)
         elif with_force:
             _picture(axes[row, 3], None, "")
+        if with_force:
+            axes[row, 3].set_title(touch.title, fontsize=9, loc="left")
+        else:
+            axes[row, 0].set_xlabel(touch.title, fontsize=9, loc="left")
     return figure
 
 

@@ -104,7 +104,7 @@ def touch_picture(store: Store, row: int) -> TouchPicture | None:
         seconds = (signal.t_ns(first, last) - trajectory["start_ns"]) / 1e9
         samples, force_frame = signal.values(first, last)[:, :3], signal.frame
     names = [trajectory["sensor"], trajectory["indenter"] or "(not named)", trajectory["trajectory"]]
-    title = "\n".join([*names, *filter(None, [touch_mark(store, row)])])
+    title = ", ".join([*names, *filter(None, [touch_mark(store, row)])])
     return TouchPicture(
         title=title,
         background=None if reference is None else reference.image,
