@@ -71,7 +71,9 @@ def say_left_alone(paths: Iterable[str]) -> None:
         folders.setdefault(str(path.parent), []).append(path.name)
     for folder, names in folders.items():
         some = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if names[3:] else "")
-        say(f"  left alone in {folder}: {some}; no format claims them")
+        is_truth = Path(folder).name == "truth" and {Path(name).suffix for name in names} <= {".json", ".parquet"}
+        why = "what a simulated world holds, which no dataset may" if is_truth else "no format claims them"
+        say(f"  left alone in {folder}: {some}; {why}")
 
 
 def emit(document: Any) -> None:

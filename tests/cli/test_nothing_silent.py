@@ -11,7 +11,7 @@ from command import run_command
 from generators.folder_log import write
 
 import tactiledata
-from tactiledata.cli.output import findings
+from tactiledata.cli.output import findings, say_left_alone
 from tactiledata.contract.records import Finding
 from tactiledata.loaders.torch import TactileDataset
 
@@ -165,3 +165,13 @@ def test_a_finding_names_its_recording_once(capsys):
         "wrench: wrench: one gap [gap]",
         "run.csv: wrench: late [late]",
     ]
+
+
+def test_the_truth_of_a_simulated_world_is_told_from_other_files(capsys):
+    """A newcomer need not wonder why part of what `record` wrote is left alone; a note in that folder is another file."""
+    say_left_alone(["rec/truth/D1.json", "rec/truth/D1.parquet", "rec/notes/truth.json"])
+    say_left_alone(["rec/truth/D1.json", "rec/truth/notes.txt"])
+    truth, notes, mixed = capsys.readouterr().out.splitlines()
+    assert truth == "  left alone in rec/truth: D1.json, D1.parquet; what a simulated world holds, which no dataset may"
+    assert notes.endswith("no format claims them")
+    assert mixed.endswith("no format claims them")
