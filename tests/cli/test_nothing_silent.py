@@ -168,7 +168,7 @@ def test_a_finding_names_its_recording_once(capsys):
 
 
 def test_the_truth_of_a_simulated_world_is_told_from_other_files(capsys):
-    """A newcomer need not wonder why part of what `record` wrote is left alone; a note in that folder is another file."""
+    """A newcomer need not wonder why part of what `record` wrote is left alone; a note there is another file."""
     say_left_alone(["rec/truth/D1.json", "rec/truth/D1.parquet", "rec/notes/truth.json"])
     say_left_alone(["rec/truth/D1.json", "rec/truth/notes.txt"])
     truth, notes, mixed = capsys.readouterr().out.splitlines()
