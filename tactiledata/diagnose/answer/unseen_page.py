@@ -52,10 +52,10 @@ def shown_sentences(shown: HeldOutComparison) -> list[str]:
         sentences.append(_left_over(shown))
     sentences.append(_ceiling(shown))
     if shown.stretched:
-        listed = [f"{name} by {rounded(abs(size))}" for name, size in shown.stretched.items()]
+        listed = [f"{name} ({rounded(abs(size))} times the usual)" for name, size in shown.stretched.items()]
         sentences.append(
-            "The plain fit needs unusually large errors of the simulation itself, in standard deviations: "
-            f"{joined_names(listed)}. A wrong radius, a wrong thickness or an effect may be the cause."
+            f"The plain fit needs unusually large errors of the simulation itself: {joined_names(listed)}. A wrong "
+            "radius, a wrong thickness or an effect may be the cause."
         )
     return sentences
 
