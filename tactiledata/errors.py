@@ -139,9 +139,10 @@ def near_names(name: str, known: Iterable[str]) -> list[str]:
 
 
 def _is_another_number(name: str, other: str) -> bool:
-    """Return whether two names have digits and differ in nothing else, folders before the last slash left out."""
-    shape, other_shape = (re.sub(r"\d", "0", each.rpartition("/")[2]) for each in (name, other))
-    return "0" in shape and shape == other_shape
+    """Return whether the last parts of two names have digits and differ in nothing else."""
+    last, other_last = (each.rpartition("/")[2] for each in (name, other))
+    shape, other_shape = (re.sub(r"\d", "0", each) for each in (last, other_last))
+    return last != other_last and shape == other_shape
 
 
 class MissingSplit(UsageError, KeyError):

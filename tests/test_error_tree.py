@@ -102,6 +102,7 @@ def test_another_number_is_no_misspelling():
     names = [f"D20001.mcap/t{number:05d}" for number in range(9)]
     assert UnknownName("trajectory", "t00042", names).facts["near"] == []
     assert UnknownName("trajectory", "D20001.mcap/t00042", names).facts["near"] == []
+    assert UnknownName("trajectory", "D2001.mcap/t00004", names).facts["near"][0] == "D20001.mcap/t00004"
     assert UnknownName("trajectory", "D20001.mcap/t0004", names).facts["near"][0] == "D20001.mcap/t00004"
 
 

@@ -12,12 +12,12 @@ from tactiledata.errors import MissingFile, SchemaError, UsageError
 
 @contextmanager
 def wrong_document_is_wrong_usage(written_by: str = "") -> Iterator[None]:
-    """Turn a `SchemaError` in the block into a `UsageError`, whose exit code is 2.
+    """Turn a `SchemaError` into a `UsageError`, whose exit code is 2, and say of a missing file what writes one.
 
     Parameters
     ----------
     written_by : str
-        Which command writes such a document: said where it does not exist. Empty where none does.
+        A sentence on the command that writes such a document; empty where none does.
     """
     try:
         yield
@@ -40,7 +40,9 @@ def effects_document(path: Path) -> Any:
     """Return the content of an effects.json (schemas/effect.json)."""
     from tactiledata.contract.schema import read_document
 
-    with wrong_document_is_wrong_usage("`tactiledata diagnose STORE` writes one."):
+    with wrong_document_is_wrong_usage(
+        "`tactiledata diagnose STORE --out FOLDER` writes one where it names an effect."
+    ):
         return read_document(path, "effect")
 
 
@@ -50,5 +52,7 @@ def mapping_document(path: Path | None) -> Any:
 
     if path is None:
         return None
-    with wrong_document_is_wrong_usage("`tactiledata inspect RECORDING --suggest-mapping` writes one to begin with."):
+    with wrong_document_is_wrong_usage(
+        "`tactiledata inspect RECORDING --suggest-mapping > mapping.yaml` makes one to begin with."
+    ):
         return read_document(path, "mapping")

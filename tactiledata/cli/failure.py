@@ -72,6 +72,10 @@ def report_failure(error: Exception, as_json: bool) -> int:
     The JSON object has ``error``, ``expected`` and ``hint`` (empty where there is none) and the exit ``code``.
     """
     if isinstance(error, typer.TyperException):
+        if not as_json and error.format_message().startswith("Usage:"):
+            # a command without arguments asks for its help
+            typer.echo(error.format_message(), err=True)
+            return error.exit_code
         failure, code = _of_command_line(error), error.exit_code
     else:
         failure, code = _as_ours(error)
@@ -98,10 +102,10 @@ def _document(found: str, expected: str, remedy: str, code: int) -> dict[str, An
 
 def _of_command_line(error: Any) -> TactileDataError:
     """Return an error of the parser of the command line, such as an unknown option, as one of our tree."""
-    found, _, hint = error.format_message().partition(". ")
-    command = getattr(getattr(error, "ctx", None), "command_path", "tactiledata")
-    remedy = " ".join(filter(None, [hint, f"Run `{command} --help` for what it takes."]))
-    return TactileDataError(f"{found[:1].lower()}{found[1:]}", "", remedy)
+    found, meant, names = error.format_message().partition(" Did you mean")
+    command = getattr(getattr(error, "ctx", None), "command_path", "")
+    about = f"Run `{command} --help` for what it takes." if command else "See --help of the command."
+    return TactileDataError(f"{found[:1].lower()}{found[1:]}", "", f"{meant}{names} {about}".strip())
 
 
 def _as_ours(error: Exception) -> tuple[TactileDataError, int]:

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 JSON_OPTION = typer.Option(False, "--json", help="Print one JSON document, for machines; errors too.")
 
+TRUTH = "truth"
+"""Folder of `tactiledata record` for what its worlds hide."""
 QUIET_SECONDS = 60.0
 """Longest silence, in seconds, where progress is printed as lines: the next report after it is printed."""
 
@@ -71,9 +73,18 @@ def say_left_alone(paths: Iterable[str]) -> None:
         folders.setdefault(str(path.parent), []).append(path.name)
     for folder, names in folders.items():
         some = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if names[3:] else "")
-        is_truth = Path(folder).name == "truth" and {Path(name).suffix for name in names} <= {".json", ".parquet"}
-        why = "what a simulated world holds, which no dataset may" if is_truth else "no format claims them"
+        why = (
+            "the truth of simulated recordings, which no dataset holds"
+            if _is_truth(Path(folder), names)
+            else ("no format claims them")
+        )
         say(f"  left alone in {folder}: {some}; {why}")
+
+
+def _is_truth(folder: Path, names: Sequence[str]) -> bool:
+    """Return whether files are what `tactiledata record` keeps of its worlds: a document and a table of each log."""
+    logs = {Path(name).stem for name in names}
+    return folder.name == TRUTH and set(names) == {f"{log}{end}" for log in logs for end in (".json", ".parquet")}
 
 
 def emit(document: Any) -> None:

@@ -116,11 +116,14 @@ def replay(
     # replay
     location = working_store(store)
     with damage_explains(location), progress("replaying", quiet=as_json) as report_progress:
+        flagged = set(flagged_trajectories(Store.open(location)))
         report = attach(location, options, workers_of(workers, scheduler), scheduler, report_progress, replace)
     page = write_replay_page(Store.open(location), report.mesh, out) if report.with_mesh else None
+    played = sorted(flagged.difference(*report.refused.values())) if report.with_mesh else []
     # print
     if as_json:
-        emit({**report.document(), "material_from": origins, "page": None if page is None else str(page)})
+        told = {"material_from": origins, "flagged": played, "page": None if page is None else str(page)}
+        emit({**report.document(), **told})
     else:
         for line in report.lines():
             say(line)
@@ -134,9 +137,11 @@ def replay(
             say(
                 f"  the effects were found with {known}: the stiffness in their file compensates for the errors of that"
             )
-        if flagged := flagged_trajectories(Store.open(location)):
-            bad = f"{counted(len(flagged), 'trajectory')} {agreeing(len(flagged), 'is', 'are')}"
-            say(f"  {bad} flagged as bad and played as well: splits leave them out")
+        if played:
+            bad, them = counted(len(played), "trajectory"), agreeing(len(played), "it", "them")
+            say(
+                f"  {bad} flagged as bad {agreeing(len(played), 'was', 'were')} played as well: splits leave {them} out"
+            )
         if page is not None:
             say(f"look: {page}")
             say(f"load: TactileDataset({location!r}, split=…, streams=['digit', 'mesh/{report.mesh}'])")

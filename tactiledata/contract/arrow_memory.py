@@ -20,8 +20,8 @@ def arrow_reader(content: bytes) -> pa.BufferReader:
     return pa.BufferReader(copy.getvalue())
 
 
-def read_parquet(source: Path | pa.BufferReader) -> pa.Table:
-    """Return the table in a parquet file.
+def read_parquet(source: Path | pa.BufferReader, schema: pa.Schema) -> pa.Table:
+    """Return the columns of a schema from a parquet file, in its order and of its types.
 
     `pyarrow.parquet.read_table` scans a dataset: its threads read ahead and may still run when the caller has the
     table. Where the process ends just then, it is aborted (apache/arrow issues 34314 and 39862).
@@ -30,6 +30,15 @@ def read_parquet(source: Path | pa.BufferReader) -> pa.Table:
     ----------
     source : Path or BufferReader
         The file, or a reader of its bytes.
+    schema : Schema
+        Columns that are read; others are left out.
+
+    Raises
+    ------
+    KeyError
+        A column is not there.
+    ArrowException
+        The file is damaged, or a column is of a type that cannot be turned into that of the schema.
     """
     with pq.ParquetFile(source) as file:
-        return file.read()
+        return file.read(columns=schema.names).select(schema.names).cast(schema)

@@ -3,33 +3,35 @@
 from __future__ import annotations
 
 import difflib
+from collections.abc import Sequence
 from pathlib import Path
 
 from tactiledata.errors import near_names
 
 MOST_LOOKED_AT = 10_000
 """Most entries of a folder that are compared with a name."""
-
-
 ALIKE = 0.7
 """Least likeness of two names without their endings: 1 where they are the same."""
 
 
-def near_path(path: Path, ending: str = "") -> str:
+def near_path(path: Path, endings: Sequence[str] = ("",)) -> str:
     """Return the question whether a neighbour of a path was meant, such as "Did you mean ds.zarr?"; empty without one.
 
     Parameters
     ----------
     path : Path
         A path at which nothing is.
-    ending : str
-        What the names of neighbours end in; all are compared where it is empty.
+    endings : sequence of str
+        What the name of a neighbour may end in; anything by default.
     """
     try:
         names = [entry.name for entry, _ in zip(path.parent.iterdir(), range(MOST_LOOKED_AT), strict=False)]
-    except OSError:
+    except (OSError, ValueError):
         return ""
-    alike = [name for name in sorted(names) if name.endswith(ending) and _likeness(name, path.name) >= ALIKE]
+    # a name that leads nowhere stands in its folder, too
+    others = [name for name in sorted(names) if name.endswith(tuple(endings)) and name != path.name]
+    stems = set(near_names(path.stem, {Path(name).stem for name in others}) + [path.stem])
+    alike = [name for name in others if Path(name).stem in stems and _likeness(name, path.name) >= ALIKE]
     near = near_names(path.name, alike)
     return f"Did you mean {' or '.join(str(path.with_name(name)) for name in near)}?" if near else ""
 

@@ -21,6 +21,8 @@ from tactiledata.contract.near_path import near_path
 from tactiledata.contract.wording import counted, listed
 from tactiledata.errors import MissingFile, SchemaError
 
+DOCUMENT_ENDINGS = (".json", ".yaml", ".yml")
+"""What names of documents end in; a document of another name is read as well."""
 MAX_DOCUMENT_BYTES = 64 * 2**20
 """Largest document that is parsed; YAML from strangers must not exhaust the memory."""
 
@@ -286,7 +288,9 @@ def _check_numbers(document: Any, where: str, path: str = "$") -> None:
 def read_document(path: Path, schema: str | None = None) -> Any:
     """The document in a YAML or JSON file, checked against a schema where one is named."""
     if not path.exists():
-        raise MissingFile(f"{path} does not exist", "a YAML or JSON file", near_path(path), path=str(path))
+        raise MissingFile(
+            f"{path} does not exist", "a YAML or JSON file", near_path(path, DOCUMENT_ENDINGS), path=str(path)
+        )
     if not path.is_file():
         raise SchemaError(f"{path} is no file", "a YAML or JSON file", "Name another.", file=str(path))
     size = path.stat().st_size

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -84,9 +85,9 @@ def draw_touches(touches: Sequence[TouchPicture]) -> Figure:
         elif with_force:
             _picture(axes[row, 3], None, "")
         if with_force:
-            axes[row, 3].set_title(touch.title, fontsize=9, loc="left")
+            axes[row, 3].set_title(textwrap.fill(touch.title, 60), fontsize=9, loc="left", parse_math=False)
         else:
-            axes[row, 0].set_xlabel(touch.title, fontsize=9, loc="left")
+            axes[row, 0].set_xlabel(textwrap.fill(touch.title, 30), fontsize=9, loc="left", parse_math=False)
     return figure
 
 

@@ -231,8 +231,7 @@ def read_split(store: Store, name: str) -> Split:
             path=where,
         )
     try:
-        table = read_parquet(arrow_reader(content))
-        table = table.select(SPLIT_SCHEMA.names).cast(SPLIT_SCHEMA)
+        table = read_parquet(arrow_reader(content), SPLIT_SCHEMA)
     except (pa.ArrowException, KeyError, ValueError) as error:
         raise StoreError(
             f"{where} is not a table of a split: {error}", "the columns of a split", _again(store, name)

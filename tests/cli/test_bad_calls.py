@@ -102,7 +102,7 @@ def a_calibration_that_is_not_there(bench):
     return ["replay", bench.store, "--calibration", "nowhere.json"]
 
 
-@case(2, "does not exist", "Did you mean effects.json?", "`tactiledata diagnose STORE` writes one")
+@case(2, "does not exist", "Did you mean effects.json?", "`tactiledata diagnose STORE --out FOLDER` writes one")
 def effects_with_a_slip(bench):
     (bench.folder / "effects.json").write_text("{}")
     return ["replay", bench.store, "--effects", "efects.json"]
@@ -116,6 +116,35 @@ def a_mapping_that_is_not_there(bench):
 @case(2, "error: no such option: --resolutoin", "Possible options: --resolution", "Run `tactiledata replay --help`")
 def an_option_with_a_slip(bench):
     return ["replay", bench.store, "--resolutoin", "low"]
+
+
+@case(2, "error: no such command 'a. b'. Run `tactiledata --help`")
+def a_command_with_a_full_stop(bench):
+    return ["a. b"]
+
+
+@case(2, "Usage: tactiledata [OPTIONS] COMMAND")
+def no_command_at_all(bench):
+    return []
+
+
+@case(2, "requires an argument", "See --help of the command")
+def an_option_without_its_value(bench):
+    return ["split", bench.store, "--by"]
+
+
+@case(2, "hf is what", "wrote as huggingface")
+def a_folder_inside_an_export(bench):
+    export_data(Store.open(bench.store), ExportPlan("huggingface", "none"), bench.folder / "hf")
+    return bench.ingest("hf/data")
+
+
+@case(2, "wrote as mcap", "copy it again")
+def an_export_that_lost_its_logs(bench):
+    export_data(Store.open(bench.store), ExportPlan("mcap", "none"), bench.folder / "mc")
+    for log in (bench.folder / "mc").rglob("*.mcap"):
+        log.unlink()
+    return bench.ingest("mc")
 
 
 @case(2, "error: no such command 'infoo'. Did you mean 'info'? Run `tactiledata --help`")

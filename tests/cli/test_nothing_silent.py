@@ -170,8 +170,10 @@ def test_a_finding_names_its_recording_once(capsys):
 def test_the_truth_of_a_simulated_world_is_told_from_other_files(capsys):
     """A newcomer need not wonder why part of what `record` wrote is left alone; a note there is another file."""
     say_left_alone(["rec/truth/D1.json", "rec/truth/D1.parquet", "rec/notes/truth.json"])
-    say_left_alone(["rec/truth/D1.json", "rec/truth/notes.txt"])
-    truth, notes, mixed = capsys.readouterr().out.splitlines()
-    assert truth == "  left alone in rec/truth: D1.json, D1.parquet; what a simulated world holds, which no dataset may"
+    say_left_alone(["rec/truth/labels.json", "rec/truth/masks.parquet"])
+    truth, notes, labels = capsys.readouterr().out.splitlines()
+    assert truth == (
+        "  left alone in rec/truth: D1.json, D1.parquet; the truth of simulated recordings, which no dataset holds"
+    )
     assert notes.endswith("no format claims them")
-    assert mixed.endswith("no format claims them")
+    assert labels.endswith("no format claims them")

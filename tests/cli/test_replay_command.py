@@ -78,7 +78,8 @@ def test_flagged_trajectories_are_played_and_said_to_be(store, capsys):
     assert run_command(capsys, "flag", "ds.zarr", uid, "--reason", "bent")[0] == 0
     code, out, err = run_command(capsys, "replay", "--fidelity", "linear", *MATERIAL)
     assert code == 0, err
-    assert "1 trajectory is flagged as bad and played as well: splits leave them out" in out
+    assert "1 trajectory flagged as bad was played as well: splits leave it out" in out
+    assert json.loads(run_command(capsys, "replay", "--fidelity", "linear", *MATERIAL, "--json")[1])["flagged"] == [uid]
 
 
 def test_a_calibration_gives_material_and_offsets(store, capsys):

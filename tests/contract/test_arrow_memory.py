@@ -4,6 +4,7 @@ import sys
 
 import pyarrow as pa
 import pyarrow.parquet as pq
+import pytest
 from test_layers import SOURCES
 
 from tactiledata.contract.arrow_memory import arrow_reader, read_parquet
@@ -35,8 +36,17 @@ def test_a_table_is_read_as_arrow_reads_it(tmp_path):
     table = pa.table({"name": pa.array(["a", "b", None] * 5).dictionary_encode(), "count": range(15)})
     pq.write_table(table, tmp_path / "t.parquet", row_group_size=4)
     content = (tmp_path / "t.parquet").read_bytes()
-    for found in (read_parquet(tmp_path / "t.parquet"), read_parquet(arrow_reader(content))):
-        assert found.equals(pq.read_table(tmp_path / "t.parquet"))
+    for source in (tmp_path / "t.parquet", arrow_reader(content)):
+        assert read_parquet(source, table.schema).equals(pq.read_table(tmp_path / "t.parquet"))
+
+
+def test_columns_are_those_of_the_schema(tmp_path):
+    """Others are left out, the order is the schema's, and a column that lacks is a KeyError."""
+    pq.write_table(pa.table({"b": [1], "a": [2], "c": [3]}), tmp_path / "t.parquet")
+    schema = pa.schema([("a", pa.int32()), ("b", pa.float64())])
+    assert read_parquet(tmp_path / "t.parquet", schema).equals(pa.table({"a": [2], "b": [1.0]}, schema=schema))
+    with pytest.raises(KeyError):
+        read_parquet(tmp_path / "t.parquet", pa.schema([("d", pa.int32())]))
 
 
 def test_only_tables_of_users_are_scanned():

@@ -15,21 +15,24 @@ def folder(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("typed", "ending", "meant"),
+    ("typed", "endings", "meant"),
     [
-        ("ds.zar", "", ["ds.zarr"]),
-        ("calibratoin.json", "", ["calibration.json"]),
-        ("calibratoin.json", ".html", ["calibration.html"]),
-        ("D2001.mcap", "", ["D20001.mcap", "D20002.mcap"]),
+        ("ds.zar", [""], ["ds.zarr"]),
+        ("calibratoin.json", [""], ["calibration.json"]),
+        ("calibratoin.json", [".html"], ["calibration.html"]),
+        ("D2001.mcap", [""], ["D20001.mcap", "D20002.mcap"]),
+        ("calibration.jsn", [".json", ".yaml"], ["calibration.json"]),
         # another number, another word, an ending alone
-        ("D20003.mcap", "", []),
-        ("missing.json", "", []),
-        ("x.zarr", "", []),
+        ("D20003", [""], []),
+        ("D20003.bag", [""], []),
+        ("D20003.mcap", [""], []),
+        ("missing.json", [""], []),
+        ("x.zarr", [""], []),
     ],
 )
-def test_a_slip_proposes_the_neighbour_that_is_meant(folder, typed, ending, meant):
+def test_a_slip_proposes_the_neighbour_that_is_meant(folder, typed, endings, meant):
     """With the folder in front, as it was typed; a name that is no slip of a neighbour proposes none."""
-    said = near_path(folder / typed, ending)
+    said = near_path(folder / typed, endings)
     assert sorted(part for part in said.removeprefix("Did you mean ").rstrip("?").split(" or ") if part) == [
         str(folder / name) for name in meant
     ]
@@ -40,3 +43,11 @@ def test_where_no_folder_is_nothing_is_proposed(folder):
     assert near_path(folder / "nowhere" / "ds.zarr") == ""
     assert near_path(folder / "ds.zarr" / "ds.zarr") == ""
     assert near_path(Path("/")) == ""
+    assert near_path(Path("a\0b") / "c") == ""
+
+
+def test_a_link_that_leads_nowhere_does_not_propose_itself(tmp_path):
+    """Its name stands in the folder, and what it names is not there."""
+    (tmp_path / "ds.zarr").symlink_to(tmp_path / "gone")
+    assert near_path(tmp_path / "ds.zarr") == ""
+    assert near_path(tmp_path / "ds.zar") == f"Did you mean {tmp_path / 'ds.zarr'}?"

@@ -25,9 +25,11 @@ def touches(title="t", scale=1.0):
 
 
 @pytest.mark.parametrize("draw", [lambda figure: panels_of(figure, "c"), png_bytes], ids=["panels", "file"])
-@pytest.mark.parametrize("given", [{"title": SCRIPTS}, {"scale": 1e308}], ids=["scripts", "large"])
+@pytest.mark.parametrize(
+    "given", [{"title": SCRIPTS}, {"title": "a$b_{c$"}, {"scale": 1e308}], ids=["scripts", "dollars", "large"]
+)
 def test_what_recordings_hold_is_drawn_without_warnings(given, draw):
-    """A name in Chinese, and forces near the largest float: no warning reaches the user."""
+    """A name in Chinese, one with dollar signs, and forces near the largest float: no warning reaches the user."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert draw(touches(**given))
@@ -53,3 +55,16 @@ def test_fonts_of_the_machine_are_asked_for_other_scripts(monkeypatch):
             with drawing(figure):
                 pass
             assert text.get_fontfamily() == [*own, *more]
+
+
+@pytest.mark.parametrize("scale", [1.0, np.nan], ids=["forces", "no forces"])
+def test_long_names_stay_in_the_picture(scale):
+    """A name of any length is broken into lines; nothing is cut off at the right, and the mark at its end is there."""
+    figure = touches("D20001, sphere, " + "session_03_robot_left/" * 6 + ", simulated recording", scale)
+    figure.draw_without_rendering()
+    named = [
+        text for axes in figure.axes for text in (axes.xaxis.label, axes._left_title) if "D20001" in text.get_text()
+    ]
+    (text,) = named
+    assert text.get_text().endswith("simulated recording")
+    assert text.get_window_extent().x1 <= figure.bbox.x1

@@ -283,7 +283,7 @@ def _worst_two(left: RemainingStructure, missing: str) -> list[str]:
         return []
     return [
         f"What the best fit leaves beyond the noise is nearly all in {joined_names(left.worst_two)}: look at these two"
-        f" touches, whose forces are drawn on the page. {missing} physics would show in the others, too."
+        f" touches. {missing} physics would show in the others, too."
     ]
 
 

@@ -305,7 +305,7 @@ def worst_picture(naming: NamingResult, shown: HeldOutComparison) -> Picture:
 def _overlays(naming: NamingResult, shown: HeldOutComparison) -> Section:
     """Return the section with the forces of the worst trajectories, and of those that keep what the best fit leaves."""
     left, worst = naming.decision.left, shown.worst()
-    in_few = left.worst_two if left.is_in_few(DEFAULT_THRESHOLDS) else ()
+    in_few = [name for name in left.worst_two if name] if left.is_in_few(DEFAULT_THRESHOLDS) else []
     named = [number for number, case in enumerate(naming.whitened.touch_set.touches) if case.name in in_few]
     pictures = [_overlay(naming, shown, number) for number in dict.fromkeys([*worst, *named])]
     caption = (
@@ -313,7 +313,7 @@ def _overlays(naming: NamingResult, shown: HeldOutComparison) -> Section:
         "numbers that were fitted to others."
     )
     if in_few:
-        caption += f" {joined_names(in_few)} keep nearly all of what the best fit leaves."
+        caption += f" Nearly all that the best fit leaves is in {joined_names(in_few)}."
     picture = panels_of(draw_overlays(pictures), caption)
     return Section("Trajectories with the largest errors of the plain simulation", pictures=[picture])
 

@@ -7,7 +7,7 @@ taken off would hide the step.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,8 +34,10 @@ STRAYS = 0.1
 """Share of the distances between numbers that occur often which may be smaller than the step of a sensor."""
 ON_STEPS = 0.99
 """Least share of the readings that are multiples of the step, counted from the most frequent one."""
-OFF = 0.01
-"""Largest distance from a multiple, in steps."""
+OFF = 0.03
+"""Largest distance from a multiple, in steps: logs round numbers, too."""
+NEAR = 8.0
+"""Steps from the most frequent number within which a step is fitted first; then twice as far, and so on."""
 
 
 @dataclass(frozen=True)
@@ -44,27 +46,33 @@ class CoarseSteps:
 
     Parameters
     ----------
-    step : float
-        Step, N: the median of the components that show one.
-    axes : tuple of str
-        Components that show it.
+    steps : dict, name of a component -> float
+        Steps, N.
     """
 
-    step: float
-    axes: tuple[str, ...]
+    steps: Mapping[str, float]
+
+    @property
+    def step(self) -> float:
+        """The largest step, N."""
+        return max(self.steps.values())
 
     @property
     def error(self) -> float:
-        """Root mean square, N, of what rounding to the step changes."""
+        """Root mean square, N, of what rounding to the largest step changes."""
         return self.step / np.sqrt(12.0)
 
     @property
     def words(self) -> str:
         """What was found, as sentences for the user."""
+        sizes = {name: quantity(step, "N") for name, step in self.steps.items()}
+        if len(set(sizes.values())) == 1:
+            told = f"{joined_names(list(sizes))} in steps of {quantity(self.step, 'N')}"
+        else:
+            told = joined_names([f"{name} in steps of {size}" for name, size in sizes.items()])
         return (
-            f"The force sensor reads {joined_names(self.axes)} in steps of {quantity(self.step, 'N')}. Readings are off"
-            f" by up to half a step, {quantity(self.error, 'N')} in the root mean square. Log the sensor's full"
-            " resolution."
+            f"The force sensor reads {told}. Readings are off by up to half a step,"
+            f" {quantity(self.error, 'N')} in the root mean square. Log the sensor's full resolution."
         )
 
     @property
@@ -79,21 +87,21 @@ def find_coarse_steps(readings: Sequence[Array]) -> CoarseSteps | None:
     Parameters
     ----------
     readings : sequence of (m, 6) N, N m
-        Readings of each trajectory as they were logged, sensor's frame; readings that are not finite are left out.
+        Readings of each trajectory as they were logged, sensor's frame. Readings that are not finite are left out, and
+        those that repeat the one before: a log may be faster than its sensor.
     """
-    finite = [rows[np.isfinite(rows).all(axis=1)] for rows in readings]
+    new = [_new_rows(rows[np.isfinite(rows).all(axis=1)]) for rows in readings]
     found = {}
     for column, name in enumerate(AXES):
-        columns = [rows[:, column] for rows in finite]
+        columns = [rows[:, column] for rows in new]
         values = np.concatenate([*columns, np.empty(0)])
         if len(values) < FEWEST:
             continue
-        step = step_of(values)
+        step = _fitted_step(values, step_of(values))
         rounding = step / np.sqrt(12.0)
-        matters = rounding > LEAST_ERROR and rounding**2 >= LEAST_SHARE * _variance_of(columns)
-        if matters and _is_on_steps(values, step):
+        if rounding > LEAST_ERROR and rounding**2 >= LEAST_SHARE * _variance_of(columns):
             found[name] = step
-    return CoarseSteps(float(np.median(list(found.values()))), tuple(found)) if len(found) >= FEWEST_AXES else None
+    return CoarseSteps(found) if len(found) >= FEWEST_AXES else None
 
 
 def step_of(column: Array) -> float:
@@ -114,14 +122,48 @@ def step_of(column: Array) -> float:
     return float(np.quantile(np.diff(numbers[is_often]), STRAYS, method="lower"))
 
 
+def _new_rows(rows: Array) -> Array:
+    """Return the readings (m, 6) that differ from the one before."""
+    is_new = np.ones(len(rows), dtype=bool)
+    is_new[1:] = (np.diff(rows, axis=0) != 0).any(axis=1)
+    return rows[is_new]
+
+
 def _variance_of(columns: Sequence[Array]) -> float:
-    """Return the variance of one component from reading to reading, by the smaller changes between them."""
+    """Return the variance of one component from reading to reading, by the smaller changes; infinite without any."""
     squares = np.sort(np.concatenate([*(np.diff(column) ** 2 for column in columns), np.empty(0)]))
-    return float(squares[: int(SLOWEST * len(squares))].mean() / 2.0)
+    smaller = squares[: int(SLOWEST * len(squares))]
+    return float(smaller.mean() / 2.0) if len(smaller) else float("inf")
 
 
-def _is_on_steps(column: Array, step: float) -> bool:
-    """Return whether nearly all readings of a component are multiples of a step, counted from the most frequent one."""
+def _fitted_step(column: Array, step: float) -> float:
+    """Return the step of which nearly all readings are multiples, counted from one of them; 0 where there is none.
+
+    A first step is the distance of two numbers, which a log has rounded. It is fitted to numbers ever farther away, so
+    that no multiple is miscounted.
+
+    Parameters
+    ----------
+    column : (m,) N
+        Readings of one component.
+    step : float
+        First step, N; 0 for none.
+    """
+    if step <= 0:
+        return 0.0
     numbers, counts = np.unique(np.round(column, DIGITS), return_counts=True)
-    away = (column - numbers[np.argmax(counts)]) / step
-    return bool((np.abs(away - np.round(away)) <= OFF).mean() >= ON_STEPS)
+    start = numbers[np.argmax(counts)]
+    away, often = numbers - start, numbers[counts > 1] - start
+    origin, reach = 0.0, NEAR
+    while True:
+        near = often[np.abs(often) <= reach * step]
+        multiples = np.round((near - origin) / step)
+        if len(np.unique(multiples)) > 1:
+            step, origin = (float(number) for number in np.polyfit(multiples, near, 1))
+        if step <= 0:
+            return 0.0
+        if reach * step >= np.abs(away).max():
+            break
+        reach *= 2.0
+    off = (column - start - origin) / step
+    return step if (np.abs(off - np.round(off)) <= OFF).mean() >= ON_STEPS else 0.0

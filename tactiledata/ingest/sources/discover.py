@@ -71,12 +71,12 @@ def find_sources(paths: Sequence[Path], format_name: str | None = None) -> tuple
     return _unique_keys(sources), [path for path in unclaimed if str(path) not in used]
 
 
-def _export_format(path: Path) -> str:
-    """Return the format of an export in a folder, or around a file; empty where there is none."""
-    document = (path if path.is_dir() else path.parent) / EXPORT
+def _export_format(folder: Path) -> str:
+    """Return the format of an export that a folder holds; empty where it holds none that can be read."""
+    document = folder / EXPORT
     try:
         return str(read_document(document, "export")["to"]) if document.is_file() else ""
-    except TactileDataError:
+    except (TactileDataError, OSError):
         return ""
 
 
@@ -127,13 +127,16 @@ def _no_recording(path: Path, left: Sequence[Path]) -> TactileDataError:
             "`tactiledata info` shows what a store holds, `tactiledata merge` joins stores.",
             path=str(path),
         )
-    if exported_as := _export_format(path):
-        return UsageError(
-            f"{path} is what `tactiledata export-data` wrote as {exported_as}",
-            "recordings, or an export as mcap, the only one that is read back",
-            "Train from it as its README.md says, or ingest the recordings that it was made of.",
-            path=str(path),
-        )
+    for folder in (path, *path.parents[:MAX_DEPTH]):
+        if form := _export_format(folder):
+            return UsageError(
+                f"{folder} is what `tactiledata export-data` wrote as {form}",
+                "recordings" if form == "mcap" else "recordings, or an export as mcap, the only one that is read back",
+                "Its recordings are not there: copy it again."
+                if form == "mcap"
+                else f"Train from it as {folder / 'README.md'} says, or ingest the recordings that it was made of.",
+                path=str(path),
+            )
     if path.is_dir() and not left:
         return BrokenLog(
             f"the folder {path} holds no recording and no file",

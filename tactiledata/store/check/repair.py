@@ -162,7 +162,7 @@ def _next_name(file: str) -> str:
 
 
 def _flagged(place: Path, rows: np.ndarray) -> pa.Table:
-    table = read_parquet(place).cast(TABLE_SCHEMAS["frames"])
+    table = read_parquet(place, TABLE_SCHEMAS["frames"])
     flags = table["flags"].to_numpy().copy()
     flags[rows] |= FrameFlag.BROKEN
     index = table.schema.get_field_index("flags")

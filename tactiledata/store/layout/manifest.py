@@ -198,7 +198,7 @@ def not_a_store(location: str, exists: bool) -> MissingFile | StoreError:
         return MissingFile(
             f"there is no store at {location}",
             "the folder or URL of a store",
-            near_path(Path(location), ".zarr") or "Check the name, or make the store with `tactiledata ingest`.",
+            near_path(Path(location), [".zarr"]) or "Check the name, or make the store with `tactiledata ingest`.",
             path=location,
         )
     if Path(location).exists() and not Path(location).is_dir():

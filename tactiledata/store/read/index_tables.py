@@ -7,9 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
-import pyarrow.parquet as pq
 
-from tactiledata.contract.arrow_memory import arrow_reader
+from tactiledata.contract.arrow_memory import arrow_reader, read_parquet
 from tactiledata.contract.provenance import bytes_digest
 from tactiledata.errors import StoreError, UnknownName
 from tactiledata.store.layout.places import TABLE_SCHEMAS, table_folder
@@ -43,8 +42,7 @@ class IndexTables:
             path = f"{table_folder(table)}/{part['file']}"
             try:
                 # one file, not a dataset of many: of small parts that took three times as long
-                with pq.ParquetFile(self._part(path, part["sha256"])) as part_file:
-                    piece = part_file.read(columns=wanted.names).select(wanted.names).cast(wanted)
+                piece = read_parquet(self._part(path, part["sha256"]), wanted)
             except FileNotFoundError as error:
                 raise missing_file(path, self._files.location) from error
             except (pa.ArrowException, OSError, KeyError) as error:

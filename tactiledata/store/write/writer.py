@@ -59,7 +59,7 @@ class StagedTake:
 
     def table(self, name: str) -> pa.Table:
         """``frames``, ``trajectories`` or ``findings``, rows local to the take."""
-        return read_parquet(self.folder / f"{name}.parquet").cast(TABLE_SCHEMAS[name])
+        return read_parquet(self.folder / f"{name}.parquet", TABLE_SCHEMAS[name])
 
     def array(self, entry: Mapping[str, Any]) -> NDArray[Any]:
         """An array that the document describes, mapped from the disk."""

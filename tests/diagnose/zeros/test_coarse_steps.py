@@ -16,7 +16,7 @@ def test_a_planted_step_is_found_with_its_size(step, noise, kind):
     """Steps of 0.05 to 0.5 N, also in numbers of single precision; the rounding's size follows from the step."""
     found = find_coarse_steps([read_through(presses(seed, noise), step=step).astype(kind) for seed in range(3)])
     assert found.step == pytest.approx(step, rel=1e-4)
-    assert found.axes == ("fx", "fy", "fz")
+    assert list(found.steps) == ["fx", "fy", "fz"]
     assert found.error == pytest.approx(step / 12**0.5, rel=1e-4)
 
 
@@ -29,10 +29,46 @@ def test_words_and_document_have_the_numbers():
     assert found.document["values"] == {"step": found.step}
 
 
-@pytest.mark.parametrize(("step", "noise"), [(0.01, 0.1), (0.03, 0.0), (0.05, 0.1)])
-def test_steps_that_do_not_matter_are_no_finding(step, noise):
-    """Below 0.035 N, or with less than a twentieth of the variance: the FT 300-S sends counts of 0.01 N."""
-    assert find_coarse_steps([read_through(presses(noise=noise), step=step)]) is None
+@pytest.mark.parametrize("held", [1, 2, 10])
+@pytest.mark.parametrize(("step", "noise"), [(0.01, 0.1), (0.03, 0.0), (0.05, 0.1), (0.05, 1.0)])
+def test_steps_that_do_not_matter_are_no_finding(step, noise, held):
+    """Below 0.035 N, or with less than a twentieth of the variance, however often a log repeats each reading."""
+    assert find_coarse_steps([np.repeat(read_through(presses(noise=noise), step=step), held, axis=0)]) is None
+
+
+@pytest.mark.parametrize("held", [2, 10])
+def test_a_step_is_found_however_often_a_log_repeats_readings(held):
+    """Its size does not change (the positive control of the repeated readings)."""
+    found = find_coarse_steps([np.repeat(read_through(presses(), step=0.12), held, axis=0)])
+    assert found.step == pytest.approx(0.12, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("logged", "tolerance"),
+    [
+        (lambda rows: np.round(rows, 3), 1e-3),
+        (lambda rows: np.round(rows, 2), 2e-2),
+        (lambda rows: (rows + [300.0, 120.0, 300.0, 0.0, 0.0, 0.0]).astype(np.float32), 1e-3),
+    ],
+    ids=["three digits", "two digits", "single precision far from zero"],
+)
+def test_a_step_is_found_in_numbers_that_a_log_has_rounded(logged, tolerance):
+    """No distance of two numbers is the step then; it shows over many of them."""
+    for step in (0.12, 0.1221) if tolerance < 0.01 else (0.5,):
+        found = find_coarse_steps([logged(read_through(presses(), step=step))])
+        assert found.step == pytest.approx(step, rel=tolerance)
+
+
+def test_components_with_steps_of_their_own_are_told_apart():
+    """The largest step decides how far readings are off."""
+    readings = presses()
+    readings[:, :2] = 0.2 * np.round(readings[:, :2] / 0.2)
+    readings[:, 2] = 0.5 * np.round(readings[:, 2] / 0.5)
+    found = find_coarse_steps([readings])
+    assert found.step == pytest.approx(0.5)
+    assert found.error == pytest.approx(0.5 / 12**0.5)
+    assert "fz in steps of 0.50 N" in found.words
+    assert "0.14 N in the root mean square" in found.words
 
 
 @given(st.integers(0, 1000), st.sampled_from([0.0, 0.02, 0.1]), st.sampled_from([1, 3]))
@@ -68,6 +104,7 @@ def test_few_or_no_readings_show_nothing():
     readings = read_through(presses(), step=0.12)
     assert find_coarse_steps([]) is None
     assert find_coarse_steps([readings[:99]]) is None
+    assert find_coarse_steps([row[None] for row in readings]) is None
     broken = readings.copy()
     broken[::7] = np.nan
     assert find_coarse_steps([broken]).step == pytest.approx(0.12)
