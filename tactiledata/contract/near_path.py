@@ -30,7 +30,7 @@ def near_path(path: Path, endings: Sequence[str] = ("",)) -> str:
         return ""
     # a name that leads nowhere stands in its folder, too
     others = [name for name in sorted(names) if name.endswith(tuple(endings)) and name != path.name]
-    stems = set(near_names(path.stem, {Path(name).stem for name in others}) + [path.stem])
+    stems = {path.stem, *near_names(path.stem, {Path(name).stem for name in others})}
     alike = [name for name in others if Path(name).stem in stems and _likeness(name, path.name) >= ALIKE]
     near = near_names(path.name, alike)
     return f"Did you mean {' or '.join(str(path.with_name(name)) for name in near)}?" if near else ""

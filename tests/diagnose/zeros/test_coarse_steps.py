@@ -9,6 +9,9 @@ from test_dead_band import ARM, SCALE, presses, read_through
 from tactiledata.diagnose.zeros.coarse_steps import find_coarse_steps
 from tactiledata.diagnose.zeros.dead_band import find_dead_band
 
+FAR = np.array([300.0, 120.0, 300.0, 0.0, 0.0, 0.0])
+"""Offset of a sensor that was not tared, N and N m."""
+
 
 @pytest.mark.parametrize("kind", [np.float64, np.float32])
 @pytest.mark.parametrize(("step", "noise"), [(0.05, 0.04), (0.12, 0.1), (0.5, 0.1)])
@@ -48,7 +51,7 @@ def test_a_step_is_found_however_often_a_log_repeats_readings(held):
     [
         (lambda rows: np.round(rows, 3), 1e-3),
         (lambda rows: np.round(rows, 2), 2e-2),
-        (lambda rows: (rows + [300.0, 120.0, 300.0, 0.0, 0.0, 0.0]).astype(np.float32), 1e-3),
+        (lambda rows: (rows + FAR).astype(np.float32), 1e-3),
     ],
     ids=["three digits", "two digits", "single precision far from zero"],
 )
