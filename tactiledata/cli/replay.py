@@ -116,7 +116,7 @@ def replay(
     # replay
     location = working_store(store)
     with damage_explains(location), progress("replaying", quiet=as_json) as report_progress:
-        flagged = set(flagged_trajectories(Store.open(location)))
+        flagged = set(flagged_trajectories(Store.open(location))) if Path(location).is_dir() else set()
         report = attach(location, options, workers_of(workers, scheduler), scheduler, report_progress, replace)
     page = write_replay_page(Store.open(location), report.mesh, out) if report.with_mesh else None
     played = sorted(flagged.difference(*report.refused.values())) if report.with_mesh else []

@@ -220,4 +220,4 @@ def test_command(store, capsys):
     assert all(np.isfinite(one["value"]) for one in found)
     code, _, err = run_command(capsys, "score", store.location, "--metric", "shade", "--against", "D3")
     assert code == 2
-    assert "Did you mean D" in err
+    assert "one of: D1, D2" in err
