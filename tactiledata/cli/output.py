@@ -73,11 +73,8 @@ def say_left_alone(paths: Iterable[str]) -> None:
         folders.setdefault(str(path.parent), []).append(path.name)
     for folder, names in folders.items():
         some = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if names[3:] else "")
-        why = (
-            "the truth of simulated recordings, which no dataset holds"
-            if _is_truth(Path(folder), names)
-            else ("no format claims them")
-        )
+        is_truth = _is_truth(Path(folder), names)
+        why = "the truth of simulated recordings, which no dataset holds" if is_truth else "no format claims them"
         say(f"  left alone in {folder}: {some}; {why}")
 
 

@@ -15,7 +15,7 @@ from tactiledata.cli.output import JSON_OPTION, emit, progress, say
 from tactiledata.cli.task_options import SCHEDULER, SIMULATION_WORKERS, workers_of
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
 from tactiledata.contract.extras import GEL, PAGE, need_packages
-from tactiledata.contract.wording import counted
+from tactiledata.contract.wording import agreeing, counted
 from tactiledata.errors import UnknownName, UsageError
 
 SOFTEST, STIFFEST = 1e3, 1e9
@@ -138,11 +138,9 @@ def replay(
                 f"  the effects were found with {known}: the stiffness in their file compensates for the errors of that"
             )
         if played:
-            bad, (was, them) = (
-                counted(len(played), "trajectory"),
-                ("was", "it") if len(played) == 1 else ("were", "them"),
-            )
-            say(f"  {bad} flagged as bad {was} played as well: splits leave {them} out")
+            bad, were = counted(len(played), "trajectory"), agreeing(len(played), "was", "were")
+            them = agreeing(len(played), "it", "them")
+            say(f"  {bad} flagged as bad {were} played as well: splits leave {them} out")
         if page is not None:
             say(f"look: {page}")
             say(f"load: TactileDataset({location!r}, split=…, streams=['digit', 'mesh/{report.mesh}'])")

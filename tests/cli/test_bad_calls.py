@@ -91,10 +91,14 @@ def a_recording_with_a_slip(bench):
     return bench.ingest("runn.mcap")
 
 
+def export_of(bench, form):
+    """The folder of an export of the bench's store, without a split."""
+    return export_data(Store.open(bench.store), ExportPlan(form, "none"), bench.folder / form).folder
+
+
 @case(2, "wrote as huggingface", "Train from it")
 def an_export_in_the_place_of_recordings(bench):
-    export_data(Store.open(bench.store), ExportPlan("huggingface", "none"), bench.folder / "hf")
-    return bench.ingest("hf")
+    return bench.ingest(export_of(bench, "huggingface"))
 
 
 @case(2, "does not exist", "`tactiledata calibrate STORE` writes one")
@@ -133,18 +137,17 @@ def an_option_without_its_value(bench):
     return ["split", bench.store, "--by"]
 
 
-@case(2, "hf is what", "wrote as huggingface")
+@case(2, "huggingface is what", "wrote as huggingface")
 def a_folder_inside_an_export(bench):
-    export_data(Store.open(bench.store), ExportPlan("huggingface", "none"), bench.folder / "hf")
-    return bench.ingest("hf/data")
+    return bench.ingest(export_of(bench, "huggingface") / "data")
 
 
 @case(2, "wrote as mcap", "copy it again")
 def an_export_that_lost_its_logs(bench):
-    export_data(Store.open(bench.store), ExportPlan("mcap", "none"), bench.folder / "mc")
-    for log in (bench.folder / "mc").rglob("*.mcap"):
+    folder = export_of(bench, "mcap")
+    for log in folder.rglob("*.mcap"):
         log.unlink()
-    return bench.ingest("mc")
+    return bench.ingest(folder)
 
 
 @case(2, "error: no such command 'infoo'. Did you mean 'info'? Run `tactiledata --help`")

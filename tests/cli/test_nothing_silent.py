@@ -11,9 +11,10 @@ from command import run_command
 from generators.folder_log import write
 
 import tactiledata
-from tactiledata.cli.output import findings, say_left_alone
+from tactiledata.cli.output import TRUTH, findings, say_left_alone
 from tactiledata.contract.records import Finding
 from tactiledata.loaders.torch import TactileDataset
+from tactiledata.rig import record
 
 SIZE = (320, 240)
 
@@ -169,6 +170,7 @@ def test_a_finding_names_its_recording_once(capsys):
 
 def test_the_truth_of_a_simulated_world_is_told_from_other_files(capsys):
     """A newcomer need not wonder why part of what `record` wrote is left alone; a note there is another file."""
+    assert TRUTH == record.TRUTH
     say_left_alone(["rec/truth/D1.json", "rec/truth/D1.parquet", "rec/notes/truth.json"])
     say_left_alone(["rec/truth/labels.json", "rec/truth/masks.parquet"])
     truth, notes, labels = capsys.readouterr().out.splitlines()

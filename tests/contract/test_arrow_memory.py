@@ -32,7 +32,7 @@ def test_nothing_else_lends_arrow_bytes_to_read():
 
 
 def test_a_table_is_read_as_arrow_reads_it(tmp_path):
-    """From a file and from bytes, with dictionaries and over several row groups: the table that was written."""
+    """A table with dictionaries and several row groups is read as it was written, from a file and from its bytes."""
     table = pa.table({"name": pa.array(["a", "b", None] * 5).dictionary_encode(), "count": range(15)})
     pq.write_table(table, tmp_path / "t.parquet", row_group_size=4)
     content = (tmp_path / "t.parquet").read_bytes()

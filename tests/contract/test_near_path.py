@@ -31,7 +31,7 @@ def folder(tmp_path):
     ],
 )
 def test_a_slip_proposes_the_neighbour_that_is_meant(folder, typed, endings, meant):
-    """With the folder in front, as it was typed; a name that is no slip of a neighbour proposes none."""
+    """The question names the neighbour with its folder; it is empty for a name that is no slip of a neighbour's."""
     said = near_path(folder / typed, endings)
     assert sorted(part for part in said.removeprefix("Did you mean ").rstrip("?").split(" or ") if part) == [
         str(folder / name) for name in meant
