@@ -121,16 +121,18 @@ def calibrate_measured(
     """
     assert measured.mesh is not None
     bounds = find_bounds(options.bounds)
-    # simulate every touch at the nodes over nu, mu and offset
     plan = ResponsePlan.of(bounds)
-    runner = make_scheduler(options.workers, options.scheduler)
-    plays = play_plan(measured.mesh, options.mechanics, measured.touches, plan, runner, report_progress).by_node()
-    experiment = assemble(measured.touches, plan, plays)
-    if isinstance(experiment, dict) or len(experiment.touches) < FEWEST:
-        reasons = experiment if isinstance(experiment, dict) else experiment.left_out
-        raise too_few(0 if isinstance(experiment, dict) else len(experiment.touches), {**measured.left_out, **reasons})
-    # fit, and correct what was interpolated by simulations at the optimum
-    corrected = corrected_fit(experiment, measured, bounds, options, runner)
+    # its workers start once for all simulations
+    with make_scheduler(options.workers, options.scheduler).kept_open() as runner:
+        # simulate every touch at the nodes over nu, mu and offset
+        plays = play_plan(measured.mesh, options.mechanics, measured.touches, plan, runner, report_progress).by_node()
+        experiment = assemble(measured.touches, plan, plays)
+        if isinstance(experiment, dict) or len(experiment.touches) < FEWEST:
+            reasons = experiment if isinstance(experiment, dict) else experiment.left_out
+            count = 0 if isinstance(experiment, dict) else len(experiment.touches)
+            raise too_few(count, {**measured.left_out, **reasons})
+        # fit, and correct what was interpolated by simulations at the optimum
+        corrected = corrected_fit(experiment, measured, bounds, options, runner)
     optimum = corrected.fit
     left_out = {**measured.left_out, **experiment.left_out}
     is_slid = may_slide(experiment.touches)

@@ -7,6 +7,7 @@ fit is done again. What is left is the error of slopes, and of the solver's tole
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,14 +18,42 @@ from tactiledata.calibrate.experiment import Experiment
 from tactiledata.calibrate.fit import Fit, fit
 from tactiledata.calibrate.measured import Measured
 from tactiledata.calibrate.options import CalibrationOptions
+from tactiledata.calibrate.plays.kept_plays import Play
 from tactiledata.calibrate.plays.player import play_at
 from tactiledata.calibrate.response import Response
+from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.compute.base import Scheduler
+from tactiledata.gel.make_engine import Mechanics
+from tactiledata.gel.mesh.pad import PadMesh
 
 MOST_CORRECTIONS = 2
 """Corrections, at most: more do not settle, since plays are smooth in nu and mu only to the solver's tolerance."""
+MOST_TOGETHER = 7
+"""Touches that are simulated together at an optimum, at most: one that is hard to solve holds up few others."""
 SETTLED = 0.05
 """Share of a 95 % interval: where E, nu and mu all move by less, they are not corrected again."""
+
+
+@dataclass(frozen=True)
+class _GelAtOptimum:
+    """The gel at an optimum, and the engine that simulates it."""
+
+    mesh: PadMesh
+    mechanics: Mechanics
+    ratio: float
+    friction: float
+
+
+@dataclass(frozen=True)
+class _TouchGroup:
+    """Touches that are simulated together at an optimum, each at its own contact offset; must pickle."""
+
+    gel: _GelAtOptimum
+    touches: tuple[MeasuredTouch, ...]
+    offsets: Array
+
+    def __str__(self) -> str:
+        return f"{len(self.touches)} touches at the optimum"
 
 
 @dataclass(frozen=True)
@@ -76,7 +105,8 @@ def corrected_fit(
         modulus, ratio, friction = (float(value) for value in optimum.parameters)
         # rounded to nanometres, so that a fit repeated elsewhere finds the same kept plays
         offsets = np.round(optimum.offsets, 9)
-        plays = play_at(measured.mesh, options.mechanics, experiment.touches, ratio, friction, offsets, runner)
+        gel = _GelAtOptimum(measured.mesh, options.mechanics, ratio, friction)
+        plays = _simulated(gel, experiment.touches, offsets, runner)
         response = experiment.response
         difference = experiment.rows([play.wrench for play in plays]) - interpolated(response, ratio, friction, offsets)
         error = _size(modulus * difference)
@@ -90,6 +120,21 @@ def corrected_fit(
     modulus, ratio, friction = (float(value) for value in optimum.parameters)
     wrenches = modulus * interpolated(experiment.response, ratio, friction, optimum.offsets)
     return CorrectedFit(optimum, experiment, wrenches, error)
+
+
+def _simulated(gel: _GelAtOptimum, touches: Sequence[MeasuredTouch], offsets: Array, runner: Scheduler) -> list[Play]:
+    """Return the plays of touches at an optimum, simulated in groups of about the same size."""
+    count = max(1, -(-len(touches) // MOST_TOGETHER))
+    groups = [_TouchGroup(gel, tuple(touches[part::count]), offsets[part::count]) for part in range(count)]
+    # the touches were dealt out to the groups in turn
+    plays = [iter(outcome.value) for outcome in runner.outcomes(_played_group, groups, count)]
+    return [next(plays[number % count]) for number in range(len(touches))]
+
+
+def _played_group(group: _TouchGroup) -> list[Play]:
+    """Return the plays of a group; workers execute this function."""
+    gel = group.gel
+    return play_at(gel.mesh, gel.mechanics, group.touches, gel.ratio, gel.friction, group.offsets)
 
 
 def interpolated(response: Response, ratio: float, friction: float, offsets: Array) -> Array:

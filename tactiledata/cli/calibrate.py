@@ -98,7 +98,7 @@ def calibrate(
         indenter_folder=indenters,
     )
     location = working_store(store)
-    with damage_explains(location), progress("playing", quiet=as_json) as report_progress:
+    with damage_explains(location), progress("trying nu and mu", quiet=as_json) as report_progress:
         calibration = run(Store.open(location), options, report_progress)
     # write and print
     document = write_calibration(calibration, out)

@@ -1,4 +1,4 @@
-"""A proposal where a path does not exist: what its folder holds under a name that is nearly the same."""
+"""What to say of a path at which nothing is: a link that leads nowhere, or a neighbour with nearly the same name."""
 
 from __future__ import annotations
 
@@ -17,6 +17,8 @@ ALIKE = 0.7
 def near_path(path: Path, endings: Sequence[str] = ("",)) -> str:
     """Return the question whether a neighbour of a path was meant, such as "Did you mean ds.zarr?"; empty without one.
 
+    Of a link that leads nowhere it returns where it leads to instead.
+
     Parameters
     ----------
     path : Path
@@ -24,6 +26,8 @@ def near_path(path: Path, endings: Sequence[str] = ("",)) -> str:
     endings : sequence of str
         What the name of a neighbour may end in; anything by default.
     """
+    if path.is_symlink() and not path.exists():
+        return f"It is a link to {path.readlink()}, which is not there."
     try:
         names = [entry.name for entry, _ in zip(path.parent.iterdir(), range(MOST_LOOKED_AT), strict=False)]
     except (OSError, ValueError):

@@ -22,15 +22,18 @@ OPTIONS = CalibrationOptions(hold_out=0.0, shape_error=0.0)
 
 @pytest.fixture
 def world(monkeypatch):
-    """A world in closed form that plays its touches exactly; the parameters of each play are kept in ``asked``."""
+    """A world in closed form that plays its touches exactly; ``asked`` has the touches of each group, by optimum."""
     made = ClosedFormWorld(count=10)
-    made.asked = []
+    made.asked = {}
 
-    def play(mesh, mechanics, touches, ratio, friction, offsets, runner):
-        made.asked.append((ratio, friction))
-        wrenches = made.wrench(ratio, friction, offsets).reshape(made.count, FRAMES, 6)
+    def play(mesh, mechanics, touches, ratio, friction, offsets):
+        places = [int(touch.uid.removeprefix("uid")) for touch in touches]
+        made.asked.setdefault((ratio, friction), []).append(places)
+        every = np.zeros(made.count)
+        every[places] = offsets
+        wrenches = made.wrench(ratio, friction, every).reshape(made.count, FRAMES, 6)
         status = np.full(FRAMES, FrameStatus.SOLVED, np.int8)
-        return [Play(wrench, status, np.ones(FRAMES)) for wrench in wrenches]
+        return [Play(wrench, status, np.ones(FRAMES)) for wrench in wrenches[places]]
 
     monkeypatch.setattr(under_test, "play_at", play)
     return made
@@ -81,15 +84,22 @@ def test_a_fit_that_moves_is_corrected_again_and_one_that_stays_is_not(world):
     world.asked.clear()
     fitted(world, distorted(world, 0.06))
     assert len(world.asked) == MOST_CORRECTIONS
-    assert world.asked[0] != world.asked[1]
+
+
+def test_touches_are_simulated_in_small_groups_and_each_once(world):
+    """Ten touches make two groups of five: a touch that is hard to solve holds up four others only."""
+    fitted(world, distorted(world, 0.0))
+    (groups,) = world.asked.values()
+    assert [len(group) for group in groups] == [5, 5]
+    assert sorted(sum(groups, [])) == list(range(world.count))
 
 
 def test_a_frame_that_cannot_be_solved_is_not_corrected(world, monkeypatch):
     """A frame that the play at the optimum did not solve keeps its response; if none is solved, both errors are NaN."""
 
-    def play(mesh, mechanics, touches, ratio, friction, offsets, runner):
+    def play(mesh, mechanics, touches, ratio, friction, offsets):
         unsolved = np.full(FRAMES, FrameStatus.NOT_CONVERGED, np.int8)
-        return [Play(np.full((FRAMES, 6), np.nan), unsolved, np.zeros(FRAMES))] * world.count
+        return [Play(np.full((FRAMES, 6), np.nan), unsolved, np.zeros(FRAMES))] * len(touches)
 
     monkeypatch.setattr(under_test, "play_at", play)
     experiment = distorted(world, 0.03)

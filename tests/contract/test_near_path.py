@@ -46,8 +46,8 @@ def test_where_no_folder_is_nothing_is_proposed(folder):
     assert near_path(Path("a\0b") / "c") == ""
 
 
-def test_a_link_that_leads_nowhere_does_not_propose_itself(tmp_path):
-    """Its name stands in the folder, and what it names is not there."""
+def test_a_link_that_leads_nowhere_says_where_to(tmp_path):
+    """Its name stands in the folder, and what it names is not there: it does not propose itself."""
     (tmp_path / "ds.zarr").symlink_to(tmp_path / "gone")
-    assert near_path(tmp_path / "ds.zarr") == ""
+    assert near_path(tmp_path / "ds.zarr") == f"It is a link to {tmp_path / 'gone'}, which is not there."
     assert near_path(tmp_path / "ds.zar") == f"Did you mean {tmp_path / 'ds.zarr'}?"

@@ -89,7 +89,7 @@ def _calibrate(
     from tactiledata.store.read.reader import Store
 
     options = CalibrationOptions(fidelity=fidelity, trajectories=TOUCHES, indenters=balls_of(scenario), workers=workers)
-    with progress("playing", quiet=quiet) as bar:
+    with progress("trying nu and mu", quiet=quiet) as bar:
         calibration = calibrate(Store.open(store), options, bar)
     page = out / "calibration.html"
     document = write_calibration(calibration, out / "calibration.json")
