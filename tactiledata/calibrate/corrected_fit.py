@@ -30,8 +30,9 @@ MOST_CORRECTIONS = 2
 """Corrections, at most: more do not settle, since plays are smooth in nu and mu only to the solver's tolerance."""
 MOST_TOGETHER = 7
 """Touches that are simulated together at an optimum, at most: one that is hard to solve holds up few others."""
-SETTLED = 0.05
-"""Share of a 95 % interval: where E, nu and mu all move by less, they are not corrected again."""
+SETTLED = 0.2
+"""Share of a 95 % interval: where E, nu and mu all move by less, a second correction would move them by less than a
+tenth, which is what plays at nearly the same place differ by: docs/decisions/0089."""
 
 
 @dataclass(frozen=True)
