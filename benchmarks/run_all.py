@@ -1,4 +1,4 @@
-"""Every benchmark after the other: `make bench`. Each also runs alone; `--quick` shows in seconds that they work."""
+"""Every benchmark after the other: `make bench`. Each also runs alone; `--quick` shows in minutes that they work."""
 
 from __future__ import annotations
 
