@@ -26,9 +26,9 @@ def near_path(path: Path, endings: Sequence[str] = ("",)) -> str:
     endings : sequence of str
         What the name of a neighbour may end in; anything by default.
     """
-    if path.is_symlink() and not path.exists():
-        return f"It is a link to {path.readlink()}, which is not there."
     try:
+        if path.is_symlink() and not path.exists():
+            return f"It is a link to {path.readlink()}, which is not there."
         names = [entry.name for entry, _ in zip(path.parent.iterdir(), range(MOST_LOOKED_AT), strict=False)]
     except (OSError, ValueError):
         return ""
