@@ -12,13 +12,12 @@ import pyarrow.compute as pc
 from numpy.typing import NDArray
 
 from tactiledata.contract.wording import counted
-from tactiledata.splits.assign import describe_held, draw, part_of
+from tactiledata.splits.assign import describe_held
 from tactiledata.splits.options import EXCLUDED, PARTITIONS, SHARES, SplitOptions
+from tactiledata.splits.shares import astray_note, filling_seeds, group_sizes
 
 MANY = 10
 """Names listed in a note before it says how many more there are."""
-SEEDS_TRIED = 64
-"""Seeds looked at for one that leaves no part empty, where a small store's draw left one."""
 
 
 @dataclass(frozen=True)
@@ -140,7 +139,9 @@ def notes_on(
     strata: tuple[Stratum, ...],
     flagged: Collection[str] = (),
 ) -> list[str]:
-    """Return what stands out in a split: empty parts, strata with holes, unnamed units, trajectories in no part.
+    """Return what stands out in a split.
+
+    That is parts that are empty or far from their shares, strata with holes, unnamed units, trajectories in no part.
 
     Parameters
     ----------
@@ -161,7 +162,7 @@ def notes_on(
     # which units `auto` holds out goes by the seed, so that counts with another seed can only be told without
     is_free = options.hold_out != "auto" or not held_out
     filled = [part for part in wanted if counts[part].trajectories]
-    notes = [*_empty_parts(table, options, counts, wanted, is_free), *_thin_strata(strata, filled)]
+    notes = [*_part_notes(table, options, counts, wanted, is_free), *_thin_strata(strata, filled)]
     notes += _excluded(table.filter(pc.invert(pc.is_in(table["uid"], value_set=pa.array(list(flagged), pa.string())))))
     for kind in ("sensor", "indenter"):
         unnamed = table[kind].to_pylist().count("")
@@ -198,7 +199,7 @@ def _excluded(table: pa.Table) -> list[str]:
     return notes
 
 
-def _empty_parts(
+def _part_notes(
     table: pa.Table, options: SplitOptions, counts: Mapping[str, Count], wanted: list[str], is_free: bool
 ) -> list[str]:
     drawn = np.isin(np.asarray(table["partition"].to_pylist(), object), SHARES)
@@ -213,6 +214,9 @@ def _empty_parts(
     if empty:
         way_out = _way_out(table, drawn, "", options, len(wanted), is_free)
         notes.append(f"{' and '.join(empty)} got no trajectory{way_out}")
+    dealt = [counts[part].trajectories for part in SHARES]
+    if not notes and any(dealt) and (astray := astray_note(dealt, group_sizes(table, drawn), options, is_free)):
+        notes.append(astray)
     return notes
 
 
@@ -220,29 +224,16 @@ def _way_out(
     table: pa.Table, taken: NDArray[np.bool_], what: str, options: SplitOptions, n_wanted: int, is_free: bool
 ) -> str:
     """Why the rows that were taken leave a part without something, and what to do."""
-    groups = sorted({group for group, is_taken in zip(table["group"].to_pylist(), taken, strict=True) if is_taken})
+    groups = group_sizes(table, taken)
     if len(groups) < n_wanted:
         few = f"{counted(len(groups), 'group')}{what} cannot fill {n_wanted} parts"
         return f": {few}; add data, or ask for fewer parts with --fractions"
-    seeds = _filling_seeds(groups, options, n_wanted) if is_free else []
+    seeds = filling_seeds(groups, options) if is_free else []
     hint = "try another seed (--seed N --replace), or add data"
     if seeds:
         others = f" (and so do {' and '.join(map(str, seeds[1:]))})" if seeds[1:] else ""
         hint = f"the same command with --seed {seeds[0]} --replace fills every part{others}"
     return f": {counted(len(groups), 'group')}{what} are few for chance to fill every part; {hint}"
-
-
-def _filling_seeds(groups: list[str], options: SplitOptions, n_wanted: int) -> list[int]:
-    if len(groups) > 1000:
-        return []
-    good = []
-    for seed in range(SEEDS_TRIED):
-        parts = part_of(np.array([draw(group, seed) for group in groups], float), options.fractions)
-        if len(np.unique(parts)) == n_wanted:
-            good.append(seed)
-        if len(good) == 3:
-            break
-    return good
 
 
 def _thin_strata(strata: tuple[Stratum, ...], wanted: list[str]) -> list[str]:

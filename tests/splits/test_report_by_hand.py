@@ -7,15 +7,14 @@ from split_cases import MemoryStore, frames, many, trajectories
 
 from tactiledata.contract.take import FrameFlag
 from tactiledata.errors import StoreError
-from tactiledata.splits.assign import assign, draw, part_of
+from tactiledata.splits.assign import assign
 from tactiledata.splits.options import EXCLUDED, PARTITIONS, SHARES, SplitOptions
 from tactiledata.splits.report import (
     Count,
     SplitReport,
     Stratum,
-    _empty_parts,
     _excluded,
-    _filling_seeds,
+    _part_notes,
     _thin_strata,
     count_parts,
     count_strata,
@@ -95,36 +94,6 @@ def test_a_stratum_outside_the_shares_has_no_hole():
     assert _thin_strata((unseen, full), list(SHARES)) == []
 
 
-def groups_of(seed, n_wanted, n=6):
-    """Whether six groups fill so many parts with a seed."""
-    parts = part_of(np.array([draw(f"{k:016x}", seed) for k in range(n)]), (0.6, 0.2, 0.2))
-    return len(set(parts.tolist())) == n_wanted
-
-
-def test_three_seeds_that_fill_every_part_are_named():
-    """The first three of 0 to 63, in order; beyond a thousand groups, where chance hardly leaves one empty, none."""
-    options = SplitOptions.checked(hold_out="none", fractions=(0.6, 0.2, 0.2))
-    good = [seed for seed in range(64) if groups_of(seed, 3)]
-    assert len(good) > 3
-    assert _filling_seeds([f"{k:016x}" for k in range(6)], options, 3) == good[:3]
-    assert len(_filling_seeds([f"{k:016x}" for k in range(1000)], options, 3)) == 3
-    assert _filling_seeds([f"{k:016x}" for k in range(1001)], options, 3) == []
-    # a single group never fills three parts, whatever the seed
-    assert _filling_seeds(["a"], options, 3) == []
-
-
-def test_sixty_four_seeds_are_tried(monkeypatch):
-    """Seeds 62 and 63 are found, 64 is not looked at."""
-    monkeypatch.setattr("tactiledata.splits.report.draw", lambda group, seed: {"a": 0.1, "b": 0.7, "c": 0.9}[group])
-    tried = []
-    monkeypatch.setattr(
-        "tactiledata.splits.report.part_of",
-        lambda draws, fractions: tried.append(1) or np.array([0, 1, 2] if len(tried) > 62 else [0, 0, 0]),
-    )
-    assert _filling_seeds(["a", "b", "c"], NONE, 3) == [62, 63]
-    assert len(tried) == 64
-
-
 @pytest.mark.parametrize(
     ("seeds", "hint"),
     [
@@ -136,43 +105,45 @@ def test_sixty_four_seeds_are_tried(monkeypatch):
 )
 def test_empty_parts_are_named_with_a_way_out(seeds, hint, monkeypatch):
     """Val and test got nothing of three groups: other seeds are named where there are some."""
-    monkeypatch.setattr("tactiledata.splits.report._filling_seeds", lambda groups, options, wanted: seeds)
+    monkeypatch.setattr("tactiledata.splits.report.filling_seeds", lambda sizes, options: seeds)
     table = dealt(*[("train", 1, "A", "x")] * 3, ("test_unseen", 1, "A", "x"))
-    (note,) = _empty_parts(table, NONE, count_parts(table), list(SHARES), True)
+    (note,) = _part_notes(table, NONE, count_parts(table), list(SHARES), True)
     assert note.startswith("val and test got no trajectory: 3 groups are few for chance")
     assert note.endswith(hint)
-    (note,) = _empty_parts(table, NONE, count_parts(table), list(SHARES), False)
+    (note,) = _part_notes(table, NONE, count_parts(table), list(SHARES), False)
     assert note.endswith("try another seed (--seed N --replace), or add data")
 
 
 def test_fewer_groups_than_parts_cannot_fill_them():
     """Two groups for three parts: no seed helps; a part without frames is named apart."""
     table = dealt(("train", 1, "A", "x"), ("val", 0, "A", "x"))
-    notes = _empty_parts(table, NONE, count_parts(table), list(SHARES), True)
+    notes = _part_notes(table, NONE, count_parts(table), list(SHARES), True)
     assert notes == [
         "val has 1 trajectory and no frames: 1 group with frames cannot fill 3 parts; add data, or ask for fewer parts "
         "with --fractions",
         "test got no trajectory: 2 groups cannot fill 3 parts; add data, or ask for fewer parts with --fractions",
     ]
     whole = dealt(("train", 1, "A", "x"), ("val", 1, "A", "x"), ("test", 1, "A", "x"))
-    assert _empty_parts(whole, NONE, count_parts(whole), list(SHARES), True) == []
+    thirds = SplitOptions.checked(hold_out="none", fractions=(0.34, 0.33, 0.33))
+    assert _part_notes(whole, thirds, count_parts(whole), list(SHARES), True) == []
+    # filled, but not as was asked: 0.8, 0.1, 0.1
+    (astray,) = _part_notes(whole, NONE, count_parts(whole), list(SHARES), True)
+    assert astray.startswith("the parts are drawn by chance, and 3 trajectories are few: train has 33% of them")
 
 
 def test_a_part_without_frames_is_named_with_a_way_out(monkeypatch):
     """Seeds are sought that give each part a group with frames; nothing is proposed where no group has any."""
     sought = []
-    monkeypatch.setattr(
-        "tactiledata.splits.report._filling_seeds", lambda groups, options, wanted: sought.append(groups) or [4]
-    )
+    monkeypatch.setattr("tactiledata.splits.report.filling_seeds", lambda sizes, options: sought.append(sizes) or [4])
     table = dealt(("train", 1, "A", "x"), ("train", 2, "A", "x"), ("val", 1, "A", "x"), ("test", 0, "A", "x"))
-    (note,) = _empty_parts(table, NONE, count_parts(table), list(SHARES), True)
+    (note,) = _part_notes(table, NONE, count_parts(table), list(SHARES), True)
     assert note == (
         "test has 1 trajectory and no frames: 3 groups with frames are few for chance to fill every part; "
         "the same command with --seed 4 --replace fills every part"
     )
-    assert sought == [sorted(table["group"].to_pylist()[:3])]
+    assert sought == [dict.fromkeys(sorted(table["group"].to_pylist()[:3]), 1)]
     bare = dealt(("train", 0, "A", "x"), ("val", 0, "A", "x"), ("test", 0, "A", "x"))
-    notes = _empty_parts(bare, NONE, count_parts(bare), list(SHARES), True)
+    notes = _part_notes(bare, NONE, count_parts(bare), list(SHARES), True)
     assert notes == [f"{part} has 1 trajectory and no frames" for part in SHARES]
 
 
