@@ -69,7 +69,10 @@ def steps(scheduler: str | None) -> list[tuple[str, str]]:
         ("transfer", f"transfer {store} --to ycb-sensorB --method relit --out moved-{store}{many}"),
         ("calibrate, linear", f"calibrate {store} --fidelity linear --out {store}.json{many}"),
         ("replay, linear", f"replay {store} --fidelity linear --calibration {store}.json{many}"),
-        ("diagnose, linear, no pairs", f"diagnose {store} --fidelity linear --no-pairs --out {store}-diagnosis{many}"),
+        (
+            "diagnose, linear, no pairs",
+            f"diagnose {store} --fidelity linear --no-pairs --calibration {store}.json --out {store}-diagnosis{many}",
+        ),
     ]
     if scheduler:
         return shared

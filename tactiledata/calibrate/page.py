@@ -106,6 +106,7 @@ def _other_steps(calibration: Calibration) -> Section:
 def result_rows(calibration: Calibration) -> list[tuple[str, ...]]:
     """One row of texts per parameter: symbol, value, 95 % interval, interval with simulation error, start, verdict."""
     fit = calibration.fit
+    bounds = [(low, high) for _, low, high in calibration.bounds]
     rows: list[tuple[str, ...]] = []
     for k, name in enumerate(NAMES):
         ends = [
@@ -113,7 +114,10 @@ def result_rows(calibration: Calibration) -> list[tuple[str, ...]]:
             for end, is_open in zip(fit.intervals.ends[k], fit.intervals.is_open[k], strict=True)
         ]
         value, start = in_words(name, float(fit.parameters[k])), in_words(name, float(fit.start[k]))
-        with_simulation_error = " to ".join(in_words(name, float(end)) for end in fit.simulation_error.ends[k])
+        with_simulation_error = " to ".join(
+            in_words(name, float(end)) + (" (bound)" if np.isclose(end, bounds[k], rtol=1e-6).any() else "")
+            for end in fit.simulation_error.ends[k]
+        )
         rows.append(
             (SYMBOLS[name], value, " to ".join(ends), with_simulation_error, start, calibration.known[name].verdict)
         )
@@ -155,7 +159,20 @@ def _result(calibration: Calibration) -> Section:
 def _losses(calibration: Calibration) -> Section:
     """Section with the table of losses."""
     columns = ("loss", "start", "fitted", "held out, start", "held out")
-    return Section("Losses", (), columns, loss_rows(calibration))
+    said = other_loss(calibration)
+    return Section("Losses", [("info", said)] if said else (), columns, loss_rows(calibration))
+
+
+def other_loss(calibration: Calibration) -> str:
+    """Return why the loss that was not minimised is larger than at the start; empty where it is not."""
+    chosen = calibration.options.loss
+    worse = [name for name, values in calibration.fit.losses.items() if name != chosen and values.fitted > values.start]
+    if not worse:
+        return ""
+    return (
+        f"The fit lowers the {chosen} loss. The {worse[0]} loss is larger than at the start: the two weigh forces in "
+        "different ways, and where the simulation lacks something no gel lowers both."
+    )
 
 
 def _remarks(calibration: Calibration) -> Section:

@@ -150,9 +150,16 @@ def _far_shapes(fit: Fit, share: float) -> Iterator[Finding]:
     far = {name: factor for name, factor in fit.shape_factors.items() if abs(factor - 1.0) > FAR * share}
     if far:
         indenters = ", ".join(f"{name} {100 * (factor - 1):+.0f} %" for name, factor in sorted(far.items()))
+        is_common = len(far) == len(fit.shape_factors) > 1 and len({factor > 1 for factor in far.values()}) == 1
+        if is_common:
+            why = "all in one direction, so that it is hardly their sizes: E is held by a bound, or physics is missing"
+        else:
+            why = (
+                "sizes, edges or the tilt of these indenters may not be as stated, or the simulation is not valid for "
+                "them"
+            )
         text = (
-            f"measured forces differ from simulated ones by more than {100 * FAR * share:.0f} % for {indenters}: "
-            "sizes, edges or the tilt of these indenters may not be as stated, or the simulation is not valid for them"
+            f"measured forces differ from simulated ones by more than {100 * FAR * share:.0f} % for {indenters}: {why}"
         )
         yield Finding("calibration-shape", "warning", text, count=len(far))
 

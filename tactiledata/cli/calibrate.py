@@ -113,12 +113,14 @@ def calibrate(
 
 def _print(calibration: Any) -> None:
     """Print the fitted values, the losses and the findings of a calibration."""
-    from tactiledata.calibrate.page import loss_rows, result_rows
+    from tactiledata.calibrate.page import loss_rows, other_loss, result_rows
 
     counts = f"{len(calibration.fit.fitted)} fitted, {len(calibration.fit.held_out)} held out"
     columns = ("", "value", "95 % interval", "with simulation error", "start", "verdict")
     table(f"gel, engine {calibration.options.engine}, {counts}", columns, result_rows(calibration))
     table("", ("loss", "start", "fitted", "held out, start", "held out"), loss_rows(calibration))
+    if said := other_loss(calibration):
+        say(said)
     findings(("", finding) for finding in calibration.findings)
     if calibration.simulated.sentence:
         say(calibration.simulated.sentence)

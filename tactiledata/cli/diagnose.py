@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 from typing import Any
 
 import typer
 
-from tactiledata.cli.documents import wrong_document_is_wrong_usage
+from tactiledata.cli.documents import calibration_document, wrong_document_is_wrong_usage
 from tactiledata.cli.given_values import listed_names, need_writable_folder
 from tactiledata.cli.output import JSON_OPTION, emit, err, plain, progress, say
 from tactiledata.cli.task_options import scheduler_option, workers_of, workers_option
@@ -21,7 +22,7 @@ TABLE_ONLY = ("columns", "group")
 """Options that have a meaning for tables only."""
 STORE_ONLY = (
     "trajectories", "sensor", "indenter", "effects", "pairs", "fidelity", "bounds", "shore_a", "indenters", "workers",
-    "scheduler",
+    "scheduler", "calibration",
 )  # fmt: skip
 """Options that have a meaning for stores only."""
 SEEDS = 2**32
@@ -61,6 +62,9 @@ def diagnose(
     ),
     shore_a: float = typer.Option(24.5, "--shore-a", help="Store: Shore A hardness of the gel, where fits start."),
     indenters: Path = typer.Option(None, "--indenters", help="Store: folder of the mesh files that recordings name."),
+    calibration: Path = typer.Option(
+        None, "--calibration", help="Store: calibration.json whose E, nu and mu the page sets beside its own fit."
+    ),
     workers: int = workers_option("Store: "),
     scheduler: str = scheduler_option("Store: "),
     columns: Path = typer.Option(None, "--columns", help="Table: YAML file that states the meaning of the columns."),
@@ -83,6 +87,7 @@ def diagnose(
         need_writable_folder(out, "report.html")
     if not 0 <= seed < SEEDS:
         raise UsageError(f"--seed {seed}", f"0 or more, below {SEEDS}", "Any of these numbers serves.")
+    calibrated = None if calibration is None else (calibration_document(calibration), calibration.name)
     # diagnose
     if is_table:
         document, written, is_found = _table(Path(source), out, seed, columns, group, as_json)
@@ -104,7 +109,7 @@ def diagnose(
             scheduler=scheduler,
             indenter_folder=_folder(indenters),
         )
-        document, written, is_found = _store(working_store(source), out, options, as_json)
+        document, written, is_found = _store(working_store(source), out, options, calibrated, as_json)
     # print
     if as_json:
         emit(document)
@@ -155,10 +160,13 @@ def _table(
     return document, written, explanation.is_found
 
 
-def _store(location: str, out: Path | None, options: Any, quiet: bool) -> tuple[dict[str, Any], list[Path], bool]:
+def _store(
+    location: str, out: Path | None, options: Any, calibrated: tuple[Any, str] | None, quiet: bool
+) -> tuple[dict[str, Any], list[Path], bool]:
     """Diagnose a store; return the document, the files written, and whether physics is missing."""
     from tactiledata.cli.explain import damage_explains
     from tactiledata.diagnose.answer.documents import store_document, write_store_diagnosis
+    from tactiledata.diagnose.answer.other_steps import material_of_calibration
     from tactiledata.diagnose.store import diagnose_store
     from tactiledata.store.read.reader import Store
 
@@ -189,6 +197,9 @@ def _store(location: str, out: Path | None, options: Any, quiet: bool) -> tuple[
 
         diagnosis = diagnose_store(Store.open(location), options, report_play, report_step, tell, tell_preview)
         report_progress(plays[0] + STEPS, plays[0] + STEPS, "done")
+    if calibrated is not None:
+        stated = material_of_calibration(*calibrated)
+        diagnosis = dataclasses.replace(diagnosis, stated=(*diagnosis.stated, stated))
     document = store_document(diagnosis)
     written = [] if out is None else write_store_diagnosis(out, Path(location).name, diagnosis, document)
     return document, written, diagnosis.is_missing

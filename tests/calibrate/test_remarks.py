@@ -154,3 +154,17 @@ def test_an_indenter_that_is_not_as_stated_is_named(world):
     assert "solid 1" not in said_of["calibration-shape"]
     assert factors["solid 2"] + 0.1 < min(factors[name] for name in ("solid 0", "solid 1", "solid 3"))
     assert "calibration-shape" not in codes(clean)[0]
+
+
+def test_forces_of_all_indenters_off_alike_do_not_blame_their_sizes(world):
+    """All off in one direction: a bound or missing physics; some off, or in both directions: sizes."""
+    found = fit(world.experiment(world.measured(), "wide"), NOISE, WIDE, CalibrationOptions(bounds="wide"))
+
+    def shape(**factors):
+        return by_code(remarks(replace(found, shape_factors=factors), WIDE, 4e-5, {}, True, 0.03))["calibration-shape"]
+
+    assert shape(ball=1.12, dome=1.15).endswith("E is held by a bound, or physics is missing")
+    assert shape(ball=0.88, dome=0.85).endswith("E is held by a bound, or physics is missing")
+    for other in ({"ball": 1.12, "dome": 0.85}, {"ball": 1.12, "dome": 1.01}, {"ball": 1.12}):
+        assert "may not be as stated" in shape(**other)
+        assert "bound" not in shape(**other)

@@ -56,6 +56,8 @@ def test_the_gate(folder, capsys, monkeypatch):
         (["rate.csv", "--columns", "columns.yaml"], 2, "$"),
         (["one.csv"], 1, "one group only"),
         (["rate.csv", "--fidelity", "linear"], 2, "--fidelity with a table"),
+        (["rate.csv", "--calibration", "c.json"], 2, "--calibration with a table"),
+        (["rate.zarr", "--calibration", "c.json"], 2, "`tactiledata calibrate STORE` writes one"),
         (["rate.csv", "--out", "rate.csv"], 2, "cannot be written to"),
         (["rate.csv", "--seed", "-1"], 2, "--seed"),
         (["rate.zarr", "--effects", ",,"], 2, "names nothing"),

@@ -14,7 +14,7 @@ from touch_worlds import FORCE_NOISE, PLANTS, START, base, null, world_cases
 from tactiledata.contract.schema import load_schema
 from tactiledata.diagnose.answer.documents import naming_document
 from tactiledata.diagnose.answer.naming_page import naming_page, naming_sentences
-from tactiledata.diagnose.answer.other_steps import StatedMaterial, other_steps_section
+from tactiledata.diagnose.answer.other_steps import StatedMaterial, material_of_calibration, other_steps_section
 from tactiledata.diagnose.answer.unseen_page import comparison_sections, doubts, same_digits, shown_sentences
 from tactiledata.diagnose.naming.held_out import folds_of
 from tactiledata.diagnose.naming.joint_fit import joint_fit
@@ -112,7 +112,16 @@ def test_document_and_page_say_it(which, request):
     closed = [errors["force"]["closed"] for errors in document["shown"]["held_out"]]
     assert all(share is None for share in closed) if which == "nothing" else min(closed) > 0.5
     trials = [("Dwell for 60 s", "trials/dwell.yaml")]
-    steps = other_steps_section(naming, START, [StatedMaterial("mesh soft", GelMaterial(5e5, 0.47, 0.7), "by hand")])
+    calibrated = material_of_calibration(
+        {
+            "youngs_modulus": 9.7e5, "poisson_ratio": 0.46, "friction": 0.6, "bounds": {"name": "paper"},
+            "losses": {"vector": {"start": 9.0, "fitted": 2.13, "held_out": None}}, "fidelity": "linear",
+            "trajectories": {"fitted": ["a", "b"], "held_out": [], "left_out": {}, "frames": 20},
+        },
+        "calibration.json",
+    )  # fmt: skip
+    by_hand = StatedMaterial("mesh soft", GelMaterial(5e5, 0.47, 0.7), "by hand")
+    steps = other_steps_section(naming, START, [by_hand, calibrated])
     html = naming_page(
         "Diagnosis", naming, shown.located, shown, trials, ["2 frames without a pose"], "seed 0", other_steps=steps
     )
@@ -123,6 +132,11 @@ def test_document_and_page_say_it(which, request):
     opened, _, folded = html.partition("<details>")
     # values of other steps stand beside the fitted ones, and each is held against the interval of the plain fit
     assert "E of mesh soft, 500 kPa, lies outside the 95 % interval of the plain fit, " in folded
+    assert "<td>calibration</td><td>970</td><td>0.460</td><td>0.600</td>" in folded
+    assert "calibration.json: fitted to 2 trajectories inside bounds (paper), linear" in folded
+    assert "E of calibration, 970 kPa, lies outside the 95 % interval" in folded
+    assert folded.count("times the noise. That is no measure of the fit here") == 1
+    assert "The calibration leaves 2.1 times the noise." in folded
     plain = f"<td>this diagnosis, plain</td><td>{naming.base.model.material.youngs_modulus / 1e3:.0f}</td>"
     assert plain in folded
     assert ("<td>this diagnosis, with viscoelastic relaxation</td>" in folded) == (which == "relaxed")

@@ -50,10 +50,8 @@ def next_trial_sentences(proposals: Sequence[Proposal], is_more_left: bool = Fal
         else:
             hopeless.append(_hopeless(best.separations[place], best.trial.title))
     sentences = [f"{title}: {'; '.join(parts)}." for title, parts in by_trial.items()] + hopeless
-    if not sentences and is_more_left:
-        return ["The recordings separate the explanations that were tried, and none of these explains what is left."]
     if not sentences:
-        return ["These recordings tell the explanations that were tried apart: no trial is proposed."]
+        return [_told_apart(worth_recording(proposals), is_more_left)]
     if proposals[0].bench.base is closed_form:
         sentences.append("These are estimates in closed form, made before anything is recorded.")
     return sentences
@@ -67,24 +65,42 @@ def next_trials_document(
 ) -> dict[str, Any]:
     """Return the part ``next_trials`` of ``schemas/diagnosis.json``: sentences, and the trials with their scenarios.
 
-    A trial is left out where it separates no pair of explanations and lowers the probability of taking one for the
-    other by less than `WORTH` on average. At most `MOST` trials are listed.
-
     Parameters
     ----------
     proposals : sequence of Proposal
-        The best first.
+        The best first; those of `worth_recording` are listed.
     sensors, indenters : dict, name -> entry of a scenario, optional
         Entries of one's own for the scenarios, as `trial_scenario` takes them.
     is_more_left : bool
         Whether the best explanation leaves structure; where nothing is to be separated, a sentence then says so.
     """
-    worth = [proposal for proposal in proposals if proposal.gain >= WORTH or proposal.separates][:MOST]
     return {
         "sentences": next_trial_sentences(proposals, is_more_left),
         "in_closed_form": bool(proposals) and proposals[0].bench.base is closed_form,
-        "proposals": [_proposal_document(proposal, sensors, indenters) for proposal in worth],
+        "proposals": [_proposal_document(proposal, sensors, indenters) for proposal in worth_recording(proposals)],
     }
+
+
+def worth_recording(proposals: Sequence[Proposal]) -> list[Proposal]:
+    """Return the trials that are worth their time, at most `MOST`.
+
+    A trial is left out where it separates no pair of explanations and lowers the probability of taking one for the
+    other by less than `WORTH` on average.
+    """
+    return [proposal for proposal in proposals if proposal.separates or proposal.gain >= WORTH][:MOST]
+
+
+def _told_apart(worth: Sequence[Proposal], is_more_left: bool) -> str:
+    """Return that the recordings separate all pairs already, and which trials would do so more surely."""
+    titles = " or ".join(proposal.trial.title for proposal in worth)
+    surer = f" They would be told apart more surely with a further trial: {titles}." if worth else ""
+    if is_more_left:
+        told = "The recordings separate the explanations that were tried, and none of these explains what is left."
+    else:
+        told = "These recordings tell the explanations that were tried apart" + (
+            "." if worth else ": no trial is proposed."
+        )
+    return told + surer
 
 
 def _proposal_document(proposal: Proposal, sensors: Entries | None, indenters: Entries | None) -> dict[str, Any]:

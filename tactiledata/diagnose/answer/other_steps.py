@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
+from tactiledata.contract.wording import counted
 from tactiledata.diagnose.answer.sentences import Answer, material_is_of
 from tactiledata.diagnose.naming.intervals import ProfiledInterval
 from tactiledata.diagnose.naming.name_effects import NamingResult
@@ -26,11 +28,14 @@ class StatedMaterial:
         Its values.
     words : str
         Where they come from.
+    residual : float, optional
+        Residual that the step states, as a multiple of the noise.
     """
 
     step: str
     material: GelMaterial
     words: str
+    residual: float | None = None
 
 
 def materials_of_meshes(store: Store) -> tuple[StatedMaterial, ...]:
@@ -43,6 +48,23 @@ def materials_of_meshes(store: Store) -> tuple[StatedMaterial, ...]:
         )
         for name in store.mesh_names
     )
+
+
+def material_of_calibration(document: Mapping[str, Any], name: str) -> StatedMaterial:
+    """Return what a calibration states.
+
+    Parameters
+    ----------
+    document : dict
+        ``calibration.json`` (schemas/calibration.json).
+    name : str
+        Name of the file, for the table.
+    """
+    fitted = counted(len(document["trajectories"]["fitted"]), "trajectory")
+    material = GelMaterial(*(float(document[key]) for key in ("youngs_modulus", "poisson_ratio", "friction")))
+    residual = document["losses"].get("vector", {}).get("fitted")
+    words = f"{name}: fitted to {fitted} inside bounds ({document['bounds']['name']}), {document['fidelity']}"
+    return StatedMaterial("calibration", material, words, residual)
 
 
 def other_steps_section(naming: NamingResult, start: GelMaterial, stated: Sequence[StatedMaterial]) -> Section:
@@ -73,6 +95,7 @@ def other_steps_section(naming: NamingResult, start: GelMaterial, stated: Sequen
         fitted = decision.best.fit.model
         rows.append(_row(f"this diagnosis, with {titles}", *_values(fitted.material), "the value to take for the gel"))
         sentences += [("", words) for words in material_is_of(fitted.settings)]
+    sentences += [("", words) for words in _residuals(stated)]
     return Section("E, nu and mu of other steps", sentences, ("step", "E, kPa", "nu", "mu", "where from"), rows)
 
 
@@ -100,3 +123,13 @@ def _beside(stated: Sequence[StatedMaterial], plain: Sequence[ProfiledInterval])
             f"{low / 1e3:.0f} to {high / 1e3:.0f} kPa."
         )
     return said
+
+
+def _residuals(stated: Sequence[StatedMaterial]) -> list[str]:
+    """Return a sentence on each stated residual, and why that of the diagnosis is another."""
+    return [
+        f"The {one.step} leaves {one.residual:.1f} times the noise. That is no measure of the fit here: a diagnosis "
+        "also fits the place and tilt of touches, the sensor's zeros and errors of the simulation."
+        for one in stated
+        if one.residual is not None
+    ]

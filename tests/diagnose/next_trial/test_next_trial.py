@@ -250,9 +250,33 @@ def test_where_nothing_is_left_there_is_no_trial(named):
     assert next_trials_document([])["proposals"] == []
 
 
+def told_apart(proposals, before, after):
+    """The proposals, with these distances of every pair, in standard deviations, before and after."""
+    return [
+        dataclasses.replace(
+            one,
+            separations=tuple(dataclasses.replace(pair, before=before, after=after) for pair in one.separations),
+        )
+        for one in proposals
+    ]
+
+
 def test_no_trial_is_promised_for_what_is_in_no_catalogue(named):
     """Explanations that are told apart, with structure left: that is said, and not that nothing is needed."""
-    clear = [dataclasses.replace(one, separations=()) for one in propose_trials(named)]
+    clear = told_apart(propose_trials(named), 8.0, 9.0)
+    assert next_trials_document(clear)["proposals"] == []
     assert "no trial is proposed" in next_trial_sentences(clear)[0]
     (said,) = next_trial_sentences(clear, is_more_left=True)
-    assert "none of these explains what is left" in said
+    assert said.endswith("none of these explains what is left.")
+
+
+def test_sentences_and_listed_trials_agree(named):
+    """Explanations that are told apart, but not surely: the trials that are listed are the ones that are told."""
+    nearly = told_apart(propose_trials(named), 3.7, 6.0)
+    assert 0.02 < nearly[0].separations[0].error_before < 0.05
+    listed = [one["title"] for one in next_trials_document(nearly)["proposals"]]
+    assert listed
+    for is_more_left in (False, True):
+        (said,) = next_trial_sentences(nearly, is_more_left)
+        assert said.endswith(f" They would be told apart more surely with a further trial: {' or '.join(listed)}.")
+        assert "no trial is proposed" not in said
