@@ -145,7 +145,8 @@ def inspect(
         of_sources = ((item.source.key, finding) for item in inspections for finding in item.findings)
         findings([*(("" if is_one else key, finding) for key, finding in of_sources), *(("", item) for item in said)])
         say(NOT_CHECKED)
-    if failed or any(finding.severity == "damage" for inspection in inspections for finding in inspection.findings):
+    told = [*said, *(finding for inspection in inspections for finding in inspection.findings)]
+    if failed or any(finding.severity == "damage" for finding in told):
         raise typer.Exit(1)
 
 
@@ -157,7 +158,7 @@ def _previews(sources: list[Any], mapping: Any) -> tuple[list[Any], dict[str, st
     for source in sources:
         try:
             previews.append(preview(source, mapping))
-        except (TactileDataError, OSError) as error:
+        except TactileDataError as error:
             if len(sources) == 1:
                 raise
             failed[source.key] = str(error)

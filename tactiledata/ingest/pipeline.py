@@ -28,6 +28,7 @@ from tactiledata.ingest.checks.spooled import SpooledImages
 from tactiledata.ingest.checks.twins import twin_findings
 from tactiledata.ingest.clocks.lag import camera_lag
 from tactiledata.ingest.sources.discover import find_sources, unclaimed_findings
+from tactiledata.ingest.sources.refused import refusals_told
 from tactiledata.ingest.sources.replacing import replace_recordings
 from tactiledata.ingest.sources.reports import IngestReport, SourceReport, report_of
 from tactiledata.ingest.trajectories.assemble import IngestOptions, assemble
@@ -176,7 +177,8 @@ def _staged_takes(
 def _read_source(task: _Task) -> _Read:
     """One source, read, checked and staged; runs in a worker."""
     source, folder = task.source, Path(task.store)
-    sha256 = source_digest(source)
+    with refusals_told(source):
+        sha256 = source_digest(source)
     if sha256 in task.present and not task.replace:
         return _Read(sha256, None)
     with reading_lock(folder, sha256):
@@ -198,7 +200,8 @@ def _staged_so(folder: Path, sha256: str, options: IngestOptions) -> StagedTake 
 def _read_and_stage(task: _Task, sha256: str) -> StagedTake:
     source, folder = task.source, Path(task.store)
     with Spool(staging_folder(folder, sha256)) as spool:
-        recording = FORMATS[source.format]().read(source, spool, task.options.mapping)
+        with refusals_told(source):
+            recording = FORMATS[source.format]().read(source, spool, task.options.mapping)
         spool.close()
         images = SpooledImages(spool.folder, spool.columns())
         # readings beyond 1e8 are left out; other numbers, of fields without such a unit, may overflow to inf

@@ -327,7 +327,7 @@ def bytes_behind(path: Path, stream: BinaryIO, end: int, size: int) -> str:
     follow, were = agreeing(count, "follows", "follow"), agreeing(count, "was", "were")
     text = f"{counted(count, 'byte')} {follow} the end of the recording at byte {end} and {were} not read"
     if not is_other:
-        return f"{text}: they do not begin as an MCAP file does"
+        return f"{text}: {agreeing(count, 'it does', 'they do')} not begin as an MCAP file does"
     parts = (
         f"{shlex.join(command)} > {shlex.quote(f'{path.stem}-{number}.mcap')}"
         for number, command in enumerate(

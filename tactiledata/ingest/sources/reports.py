@@ -77,8 +77,9 @@ class IngestReport:
 
     @property
     def fell_short(self) -> bool:
-        """Whether a source failed or lost data."""
-        return any(source.state == "failed" or source.status == "damaged" for source in self.sources)
+        """Whether a source failed or lost data, or a place could not be read."""
+        is_short = any(source.state == "failed" or source.status == "damaged" for source in self.sources)
+        return is_short or any(finding.severity == "damage" for finding in self.findings)
 
     def document(self) -> dict[str, Any]:
         """The report as JSON values."""

@@ -274,7 +274,7 @@ def test_something_behind_the_end(recordings, tmp_path, name, behind):
     assert finding.code == "bytes-behind-end"
     count = "1 byte follows" if len(behind) == 1 else f"{len(behind)} bytes follow"
     assert f"{count} the end of the recording at byte {len(content)} " in finding.message
-    assert "they do not begin as an MCAP file does" in finding.message
+    assert "not begin as an MCAP file does" in finding.message
 
 
 def test_conflicting_definitions(tmp_path):
