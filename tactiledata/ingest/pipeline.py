@@ -32,6 +32,7 @@ from tactiledata.ingest.sources.refused import refusals_told
 from tactiledata.ingest.sources.replacing import replace_recordings
 from tactiledata.ingest.sources.reports import IngestReport, SourceReport, report_of
 from tactiledata.ingest.trajectories.assemble import IngestOptions, assemble
+from tactiledata.store.check.lost_files import need_tables
 from tactiledata.store.layout.lock import reading_lock
 from tactiledata.store.layout.manifest import read_manifest
 from tactiledata.store.layout.places import staging_folder
@@ -109,6 +110,7 @@ def ingest(
     runner = make_scheduler(workers, scheduler)
     with intake(folder):
         present = frozenset(recover(folder)["sources"])
+        need_tables(Store.open(folder))
         tasks = [_Task(source, str(folder.resolve()), chosen, present, replace) for source in sources]
         outcomes = _told(runner.outcomes(_read_source, tasks), len(tasks), progress)
         splits = Store.open(folder).split_names()

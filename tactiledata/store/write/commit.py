@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from tactiledata.contract.provenance import bytes_digest, file_digest
-from tactiledata.errors import NotAStore, StoreError, UsageError
+from tactiledata.errors import NotAStore, TactileDataError, UsageError
 from tactiledata.store.layout.arrays import open_root
 from tactiledata.store.layout.batch import Batch
 from tactiledata.store.layout.lock import unwritable, writing_lock
@@ -66,7 +66,7 @@ def create(store_path: Path | str, settings: Settings | None = None) -> Manifest
                 if not (folder / MANIFEST).exists():
                     _start(folder, settings or Settings())
     except OSError as error:
-        if isinstance(error, StoreError):
+        if isinstance(error, TactileDataError):
             raise
         raise unwritable(folder, error) from error
     manifest = read_manifest(folder)
@@ -168,7 +168,7 @@ class store_errors:
         return None
 
     def __exit__(self, _: object, error: BaseException | None, __: object) -> None:
-        if isinstance(error, OSError) and not isinstance(error, StoreError):
+        if isinstance(error, OSError) and not isinstance(error, TactileDataError):
             raise unwritable(self._folder, error) from error
 
 
