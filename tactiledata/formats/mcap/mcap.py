@@ -256,9 +256,8 @@ def _nothing_to_read(source: Source, inventories: Sequence[Survey], decoders: De
     listed = "; ".join(sorted(rows.values())[:12]) + ("; …" if len(rows) > 12 else "")
     if not rows:
         cause = f" ({'; '.join(damage)})" if damage else ""
-        return BrokenLog(
-            f"{source.path} has no topics{cause}", "a recording with messages", "Record it again.", topics=[]
-        )
+        remedy = "Copy it again from where it was recorded." if damage else "Record it again."
+        return BrokenLog(f"{source.path} has no topics{cause}", "a recording with messages", remedy, topics=[])
     missing = "; ".join(finding.message for finding in roles.findings)
     return BrokenLog(
         f"{source.path} holds no topic that is known as wrench, tcp, joints or a tactile camera. Its topics: {listed}"

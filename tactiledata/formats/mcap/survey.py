@@ -47,6 +47,8 @@ from tactiledata.formats.mcap.layout import (
 )
 from tactiledata.formats.mcap.records import Landmarks, LostSpan, RecordWalker, bytes_behind, end_of_file
 
+COPY_AGAIN = "; what is whole in it is read. Copy it again from where it was recorded"
+"""What to do with a file that was cut."""
 MAX_SUMMARY_BYTES = 2**29
 MAX_METADATA_BYTES = 2**26
 TAIL_BYTES = FOOTER_BYTES + len(MAGIC)
@@ -215,13 +217,14 @@ def _read_summary(inventory: Survey, stream: BinaryIO) -> bool:
 
 def _footer(inventory: Survey, stream: BinaryIO) -> Footer | None:
     if inventory.size < TAIL_BYTES + len(MAGIC):
-        inventory.note("no-footer", "the file ends before its footer")
+        inventory.note("no-footer", f"the file ends before its footer{COPY_AGAIN}")
         return None
     stream.seek(inventory.size - TAIL_BYTES)
     tail = stream.read(TAIL_BYTES)
     opcode, length = HEAD.unpack_from(tail)
     if tail[FOOTER_BYTES:] != MAGIC or opcode != FOOTER or length != FOOTER_BYTES - HEAD.size:
-        inventory.note("no-footer", "the file does not end with a footer: it was cut, or something was added behind it")
+        text = "the file does not end with a footer: it was cut, or something was added behind it"
+        inventory.note("no-footer", f"{text}{COPY_AGAIN}")
         return None
     return parse(Footer, tail[HEAD.size : FOOTER_BYTES])
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import shutil
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -261,16 +261,20 @@ def _new_takes(manifest: Manifest, staged: Sequence[StagedTake]) -> tuple[list[S
     return fresh, [take for take in skipped if take.folder not in {other.folder for other in fresh}]
 
 
-def commit_groups(store_path: Path | str, staged: Iterable[StagedTake]) -> Manifest:
+def commit_groups(
+    store_path: Path | str, staged: Iterable[StagedTake], committed: Callable[[int], None] = lambda count: None
+) -> Manifest:
     """The manifest after takes were committed in their order, in groups whose borders depend on their content only.
 
     So an ingest that was killed and runs again ends with the same manifest, byte for byte. ``staged`` is drawn from
-    while groups are committed: it may be a generator that waits for workers.
+    while groups are committed: it may be a generator that waits for workers. ``committed`` is told how many takes each
+    group had.
     """
     folder = Path(store_path)
     manifest = read_manifest(folder)
     for group in groups(staged, set(manifest["sources"])):
         manifest = commit(folder, group, with_card=False)
+        committed(len(group))
     with store_errors(folder), writing_lock(folder):
         refresh_card(folder, manifest)
     return manifest
