@@ -267,8 +267,16 @@ def commit_groups(
     """The manifest after takes were committed in their order, in groups whose borders depend on their content only.
 
     So an ingest that was killed and runs again ends with the same manifest, byte for byte. ``staged`` is drawn from
-    while groups are committed: it may be a generator that waits for workers. ``committed`` is told how many takes each
-    group had.
+    while groups are committed: it may be a generator that waits for workers.
+
+    Parameters
+    ----------
+    store_path : Path or str
+        Folder of the store.
+    staged : iterable of StagedTake
+        Takes that lie in the staging folder of this store.
+    committed : callable
+        Told after each group how many takes it had.
     """
     folder = Path(store_path)
     manifest = read_manifest(folder)
