@@ -159,9 +159,8 @@ class _Watch:
         self._tell()
 
     def _tell(self, key: str = "") -> None:
-        self._progress(
-            self._read, self._total, f"{key} read, {self._stored} stored" if key else f"{self._stored} stored"
-        )
+        stored = f"{self._stored} stored so far"
+        self._progress(self._read, self._total, f"{key} read, {stored}" if key else stored)
 
 
 def _told(outcomes: Iterator[Outcome[_Task, _Read]], watch: _Watch) -> Iterator[Outcome[_Task, _Read]]:

@@ -9,10 +9,11 @@ import pytest
 from command import run_command
 from copied_trees import copy_tree
 
-from tactiledata.errors import LostFile
+from tactiledata.errors import LostFile, StoreError
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.store.check.check import check
 from tactiledata.store.check.lost_files import ingest_again
+from tactiledata.store.write.commit import store_errors
 
 
 @pytest.fixture
@@ -91,6 +92,16 @@ def test_ingest_refuses_a_store_that_lacks_an_index_file(store, logs, tmp_path, 
     assert (store / "manifest.json").read_bytes() == manifest
     shutil.move(aside, part)
     assert "added" in [source.state for source in ingest([logs], store).sources]
+
+
+def test_a_lost_file_is_no_store_that_cannot_be_written(tmp_path):
+    """What is missing is told as it is; what the system refuses becomes a store that cannot be written."""
+    lost = LostFile("a file is missing", "it", "Restore it.")
+    with pytest.raises(LostFile) as caught, store_errors(tmp_path):
+        raise lost
+    assert caught.value is lost
+    with pytest.raises(StoreError, match="could not be written"), store_errors(tmp_path):
+        raise OSError(28, "No space left on device")
 
 
 def test_many_recordings_are_not_all_named():

@@ -345,6 +345,22 @@ def without_summary(tmp_path):
     return content
 
 
+def test_a_cut_file_is_to_be_copied_again(recordings, tmp_path):
+    """Wherever it was cut, the message says so once; a whole file without topics is to be recorded again."""
+    content, _ = recordings["zstd"]
+    [finding] = [one for one in outcome(tmp_path, content[:-100]).findings if one.code == "no-footer"]
+    assert finding.message.endswith("Copy it again from where it was recorded")
+    with pytest.raises(BrokenLog) as caught:
+        outcome(tmp_path, content[:60])
+    assert str(caught.value).count("Copy it again") == 1
+    assert caught.value.remedy == "Copy it again from where it was recorded."
+    with Tape(tmp_path / "none.mcap"):
+        pass
+    with pytest.raises(BrokenLog) as caught:
+        read(FORMAT, tmp_path / "none.mcap")
+    assert caught.value.remedy == "Record it again."
+
+
 def test_damage_is_found_by_inspect_too(recordings, tmp_path):
     """Inspect plays the whole file and says the same."""
     content, _ = recordings["lz4"]
