@@ -123,7 +123,7 @@ def inspect(
     inspections = [item.inspection for item in previews]
     left, said = unclaimed_findings(unclaimed)
     if suggest_mapping:
-        _print_mapping(inspections, failed, document)
+        _print_mapping(inspections, failed, document, as_json)
     elif as_json:
         emit({
             "sources": [_document(item) for item in previews],
@@ -145,7 +145,8 @@ def inspect(
         of_sources = ((item.source.key, finding) for item in inspections for finding in item.findings)
         findings([*(("" if is_one else key, finding) for key, finding in of_sources), *(("", item) for item in said)])
         say(NOT_CHECKED)
-    if failed or any(finding.severity == "damage" for inspection in inspections for finding in inspection.findings):
+    told = [*said, *(finding for inspection in inspections for finding in inspection.findings)]
+    if failed or any(finding.severity == "damage" for finding in told):
         raise typer.Exit(1)
 
 
@@ -157,7 +158,7 @@ def _previews(sources: list[Any], mapping: Any) -> tuple[list[Any], dict[str, st
     for source in sources:
         try:
             previews.append(preview(source, mapping))
-        except (TactileDataError, OSError) as error:
+        except TactileDataError as error:
             if len(sources) == 1:
                 raise
             failed[source.key] = str(error)
@@ -173,12 +174,14 @@ def _drafted(inspections: list[Any], mapping: Any) -> tuple[Any, str]:
     return FORMATS[alike[0].source.format]().draft(alike, mapping) if alike else (None, "")
 
 
-def _print_mapping(inspections: list[Any], failed: dict[str, str], mapping: Any) -> None:
-    """Print the draft of a mapping for all recordings; refuse recordings that need none."""
+def _print_mapping(inspections: list[Any], failed: dict[str, str], mapping: Any, as_json: bool) -> None:
+    """Print the draft of a mapping for all recordings, as YAML with remarks or as JSON; refuse those that need none."""
     for key, reason in failed.items():
         err().print(plain(f"{key}: cannot be read: {reason}"))
     draft, text = _drafted(inspections, mapping)
-    if draft is not None:
+    if draft is not None and as_json:
+        emit(draft)
+    elif draft is not None:
         typer.echo(text, nl=False)
     elif inspections:
         source = inspections[0].source

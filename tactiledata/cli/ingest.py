@@ -81,7 +81,13 @@ def _print(report: Any) -> None:
     """Print what was done with each recording, the findings, the counts and the next step."""
     words = {"added": "added", "replaced": "replaced", "present": "already there", "failed": "not read"}
     rows = [
-        (source.key, words[source.state], source.status or "-", source.trajectories, source.frames)
+        (
+            source.key,
+            f"a copy of {source.copy_of}" if source.copy_of else words[source.state],
+            source.status or "-",
+            source.trajectories,
+            source.frames,
+        )
         for source in report.sources
     ]
     table("", ("recording", "what was done", "status", "trajectories", "frames"), rows)

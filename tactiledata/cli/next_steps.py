@@ -34,7 +34,7 @@ def next_steps(store: Store) -> list[str]:
             if held:
                 lines.append(flagged_split(store, name, len(held)))
                 continue
-            lines.append(f"next: {shlex.join(['tactiledata', 'audit', store.location, '--split', name])}")
+            lines += current_split(store, name)
     return lines
 
 
@@ -44,6 +44,13 @@ def first_split(store: Store) -> str:
 
     suggested = suggest_split(store)
     return f"next: {suggested.command}" if suggested.command else f"no split can be drawn yet: {suggested.reason}"
+
+
+def current_split(store: Store, name: str) -> list[str]:
+    """Say what comes next for a split that fits its store: its audit, of which nothing is kept, and what follows it."""
+    audit = shlex.join(["tactiledata", "audit", store.location, "--split", name])
+    export = shlex.join(["tactiledata", "export-data", store.location, "--to", "lerobot", "--split", name])
+    return [f"next: {audit}", f"where the audit found no leak: train from it (docs/loading.md), or {export}"]
 
 
 def stale_split(store: Store, name: str) -> str:

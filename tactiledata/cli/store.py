@@ -52,19 +52,19 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
     )
     if sentence := simulated_recordings(opened).sentence:
         say(sentence)
-    table(
-        "",
-        ("sensor", "model", "trajectories", "images"),
-        [(name, row["model"] or "-", row["trajectories"], row["frames"]) for name, row in facts["by_sensor"].items()],
-    )
+    sensors = [
+        (name, row["model"] or "-", row["trajectories"], row["frames"]) for name, row in facts["by_sensor"].items()
+    ]
+    if sensors:
+        table("", ("sensor", "model", "trajectories", "images"), sensors)
     idle = [name for name, row in facts["by_sensor"].items() if not row["trajectories"] and not row["frames"]]
     if idle:
         say(f"without a trajectory or an image, so that no split holds it: {', '.join(idle)}")
-    table(
-        "",
-        ("indenter", "trajectories", "images"),
-        [(name or "(not named)", row["trajectories"], row["frames"]) for name, row in facts["by_indenter"].items()],
-    )
+    pressed = [
+        (name or "(not named)", row["trajectories"], row["frames"]) for name, row in facts["by_indenter"].items()
+    ]
+    if pressed:
+        table("", ("indenter", "trajectories", "images"), pressed)
     signals = [
         (
             name,
@@ -87,7 +87,8 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
         say(f"mesh: {name}, {mesh['fidelity']}{effects}, {mesh['vertices']} vertices ({mesh['kept']} kept): {have}")
     for line in _flag_lines(opened.location, facts["flagged"]):
         say(line)
-    say(f"status: {', '.join(f'{count} {status}' for status, count in sorted(facts['status'].items()))}")
+    if facts["status"]:
+        say(f"status: {', '.join(f'{count} {status}' for status, count in sorted(facts['status'].items()))}")
     for code, row in sorted(facts["findings"].items()):
         say(f"  {row['severity']:<7} {code}: {row['count']} in {counted(row['sources'], 'recording')}")
     say(f"digest: {opened.digest}")

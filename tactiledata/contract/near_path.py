@@ -27,8 +27,8 @@ def near_path(path: Path, endings: Sequence[str] = ("",)) -> str:
         What the name of a neighbour may end in; anything by default.
     """
     try:
-        if path.is_symlink() and not path.exists():
-            return f"It is a link to {path.readlink()}, which is not there."
+        if dead := dead_link(path):
+            return f"{dead[0].upper()}{dead[1:]}."
         names = [entry.name for entry, _ in zip(path.parent.iterdir(), range(MOST_LOOKED_AT), strict=False)]
     except (OSError, ValueError):
         return ""
@@ -38,6 +38,22 @@ def near_path(path: Path, endings: Sequence[str] = ("",)) -> str:
     alike = [name for name in others if Path(name).stem in stems and _likeness(name, path.name) >= ALIKE]
     near = near_names(path.name, alike)
     return f"Did you mean {' or '.join(str(path.with_name(name)) for name in near)}?" if near else ""
+
+
+def dead_link(path: Path) -> str:
+    """Return where a link that leads nowhere leads to, in words; empty of anything else.
+
+    Parameters
+    ----------
+    path : Path
+        A path in a folder that can be read, or one of which nothing is said.
+    """
+    try:
+        return (
+            f"it is a link to {path.readlink()}, which is not there" if path.is_symlink() and not path.exists() else ""
+        )
+    except OSError:
+        return ""
 
 
 def _likeness(name: str, other: str) -> float:

@@ -86,11 +86,13 @@ def check_document(document: Any, schema: str, where: str) -> None:
     if not faults:
         return
     _refuse_other_kind(document, schema, where)
-    lines = [f"at {_path(fault)}: {_short(_words(fault))}" for fault in faults[:5]]
+    told = [(f"at {_path(fault)}: ", *_words(fault)) for fault in faults[:5]]
+    lines = [f"{place}{_short(found)}" for place, found, _ in told]
+    asked = [(place if len(told) > 1 else "") + _short(expected) for place, _, expected in told if expected]
     more = f" (and {len(faults) - 5} more)" if len(faults) > 5 else ""
     raise SchemaError(
         f"{where} does not fit schema {schema!r}: " + "; ".join(lines) + more,
-        "",
+        "; ".join(asked),
         f"{PAGES[schema]} shows how it is written; every field is described in schemas/{schema}.json.",
         path=_path(faults[0]),
         file=where,
@@ -119,36 +121,37 @@ def _path(fault: jsonschema.ValidationError) -> str:
     return path
 
 
-def _words(fault: jsonschema.ValidationError) -> str:
-    """What a fault says: the schema's own ``refusal`` of a value that it excludes, else what is expected."""
+def _words(fault: jsonschema.ValidationError) -> tuple[str, str]:
+    """What a fault says, and what is expected, if that is told.
+
+    Of a value that the schema excludes, its own ``refusal`` is said.
+    """
     schema: Any = fault.schema
     asked: Any = fault.validator_value
     given: Any = fault.instance
     if fault.validator in ("not", "pattern") and isinstance(schema, Mapping) and "refusal" in schema:
-        return f"{given!r} {schema['refusal']}"
+        return f"{given!r} {schema['refusal']}", ""
     if fault.validator == "type" and asked == "object":
-        return f"{fault.message}, which means keys with values (key: value)"
+        return f"{fault.message}, which means keys with values (key: value)", ""
     if fault.validator == "additionalProperties" and asked is False:
         return _unknown_keys(given, sorted(schema.get("properties", {})))
     if fault.validator == "required":
         name = next(name for name in asked if fault.message.startswith(repr(name)))
         const = schema.get("properties", {}).get(name, {}).get("const")
-        return f"the key {name!r} is missing" + (f"; write {name}: {const}" if isinstance(const, str) else "")
+        return f"the key {name!r} is missing" + (f"; write {name}: {const}" if isinstance(const, str) else ""), ""
     if fault.validator in ("minItems", "maxItems"):
         exact = schema.get("minItems") == schema.get("maxItems")
         side = "" if exact else "at least " if fault.validator == "minItems" else "at most "
-        return f"the list has {counted(len(given), 'entry')}; expected {side}{asked}"
-    return fault.message
+        return f"the list has {counted(len(given), 'entry')}", f"{side}{asked}"
+    return fault.message, ""
 
 
-def _unknown_keys(given: Mapping[Any, Any], known: list[str]) -> str:
-    """Name the keys that a schema does not have, the nearest that it has, and all that it has."""
+def _unknown_keys(given: Mapping[Any, Any], known: list[str]) -> tuple[str, str]:
+    """Name the keys that a schema does not have with the nearest that it has, and all that it has."""
     unknown = [key for key in given if key not in known]
     near = [hit for key in unknown for hit in difflib.get_close_matches(str(key), known, n=1)]
     meant = f" (did you mean {' and '.join(dict.fromkeys(near))}?)" if near else ""
-    return (
-        f"the key {listed([repr(key) for key in unknown], 5)} is not known{meant}; expected one of: {listed(known, 30)}"
-    )
+    return f"the key {listed([repr(key) for key in unknown], 5)} is not known{meant}", f"one of: {listed(known, 30)}"
 
 
 def _short(message: str, limit: int = 300) -> str:

@@ -20,7 +20,7 @@ from tactiledata.errors import BrokenLog, UsageError
 from tactiledata.formats.reading.backgrounds import load_backgrounds, noted_background, read_image_file
 from tactiledata.formats.reading.corpus import CorpusFormat, files_in, raise_empty, stream_name
 from tactiledata.formats.reading.csv_cells import listed
-from tactiledata.formats.reading.described import described_trajectories
+from tactiledata.formats.reading.described import camera_topics, described_trajectories
 from tactiledata.formats.reading.intake import Intake
 
 ANY_CAMERA = "tactile"
@@ -182,7 +182,7 @@ def _note_folder(intake: Intake, found: _Folder) -> None:
 def _camera(root: Path, mapping: Mapping[str, Any]) -> tuple[str, str]:
     """Stream and sensor that a mapping gives the folder; empty where it says nothing."""
     images = mapping.get("images", {})
-    fitting = [name for name, facts in images.items() if facts["topic"] in (root.name, ".")] or list(images)
+    fitting = [name for name, facts in images.items() if {root.name, "."} & set(camera_topics(facts))] or list(images)
     if len(fitting) > 1:
         raise UsageError(
             f"the mapping names {len(fitting)} cameras for the folder {root.name}: {listed(fitting)}",

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from tactiledata.compute import make_scheduler
 from tactiledata.compute.base import Outcome
-from tactiledata.contract.progress import Progress
+from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.contract.provenance import digest_of, file_digest, files_digest
 from tactiledata.contract.records import Finding, Recording, Source
 from tactiledata.contract.schema import check_document
@@ -28,9 +28,11 @@ from tactiledata.ingest.checks.spooled import SpooledImages
 from tactiledata.ingest.checks.twins import twin_findings
 from tactiledata.ingest.clocks.lag import camera_lag
 from tactiledata.ingest.sources.discover import find_sources, unclaimed_findings
+from tactiledata.ingest.sources.refused import refusals_told
 from tactiledata.ingest.sources.replacing import replace_recordings
-from tactiledata.ingest.sources.reports import IngestReport, SourceReport, report_of
+from tactiledata.ingest.sources.reports import IngestReport, SourceReport, report_of, with_copies
 from tactiledata.ingest.trajectories.assemble import IngestOptions, assemble
+from tactiledata.store.check.lost_files import need_tables
 from tactiledata.store.layout.lock import reading_lock
 from tactiledata.store.layout.manifest import read_manifest
 from tactiledata.store.layout.places import staging_folder
@@ -108,8 +110,10 @@ def ingest(
     runner = make_scheduler(workers, scheduler)
     with intake(folder):
         present = frozenset(recover(folder)["sources"])
+        need_tables(Store.open(folder))
         tasks = [_Task(source, str(folder.resolve()), chosen, present, replace) for source in sources]
-        outcomes = _told(runner.outcomes(_read_source, tasks), len(tasks), progress)
+        watch = _Watch(len(tasks), progress)
+        outcomes = _told(runner.outcomes(_read_source, tasks), watch)
         splits = Store.open(folder).split_names()
         findings: list[Finding] = []
         if replace:
@@ -117,8 +121,8 @@ def ingest(
         else:
             reports = []
             otherwise = _ingested_otherwise(folder, chosen)
-            commit_groups(folder, _staged_takes(outcomes, set(present), otherwise, reports))
-        reports = _compared(reports, folder)
+            commit_groups(folder, _staged_takes(outcomes, set(present), otherwise, reports), watch.stored)
+        reports = _compared(with_copies(reports), folder)
         recover(folder)  # copies of what was committed need not wait
     left, said = unclaimed_findings(unclaimed)
     report = IngestReport(str(store), tuple(reports), tuple(map(str, left)), (*findings, *said))
@@ -137,9 +141,29 @@ def _compared(reports: list[SourceReport], folder: Path) -> list[SourceReport]:
     return compared
 
 
-def _told(
-    outcomes: Iterator[Outcome[_Task, _Read]], n_tasks: int, progress: Progress | None
-) -> Iterator[Outcome[_Task, _Read]]:
+class _Watch:
+    """Tells who watches how many sources were read, and how many of them are in the store: a kill leaves these."""
+
+    def __init__(self, total: int, progress: Progress | None) -> None:
+        self._total, self._progress = total, progress or no_progress
+        self._read, self._stored = 0, 0
+
+    def read(self, key: str) -> None:
+        """Take notice of a source that was read, or cannot be."""
+        self._read += 1
+        self._tell(key)
+
+    def stored(self, count: int) -> None:
+        """Take notice of so many more sources that are in the store."""
+        self._stored += count
+        self._tell()
+
+    def _tell(self, key: str = "") -> None:
+        stored = f"{self._stored} stored so far"
+        self._progress(self._read, self._total, f"{key} read, {stored}" if key else stored)
+
+
+def _told(outcomes: Iterator[Outcome[_Task, _Read]], watch: _Watch) -> Iterator[Outcome[_Task, _Read]]:
     """The outcomes, each told to who watches; a store that cannot be written ends them, as it is no fault of a source.
 
     Raises
@@ -147,11 +171,10 @@ def _told(
     StoreError
         The disk of the store is full, or it may not be written to.
     """
-    for done, outcome in enumerate(outcomes, start=1):
+    for outcome in outcomes:
         if isinstance(outcome.error, StoreError) and "errno" in outcome.error.facts:
             raise outcome.error
-        if progress is not None:
-            progress(done, n_tasks, outcome.task.source.key)
+        watch.read(outcome.task.source.key)
         yield outcome
 
 
@@ -176,7 +199,8 @@ def _staged_takes(
 def _read_source(task: _Task) -> _Read:
     """One source, read, checked and staged; runs in a worker."""
     source, folder = task.source, Path(task.store)
-    sha256 = source_digest(source)
+    with refusals_told(source):
+        sha256 = source_digest(source)
     if sha256 in task.present and not task.replace:
         return _Read(sha256, None)
     with reading_lock(folder, sha256):
@@ -198,7 +222,8 @@ def _staged_so(folder: Path, sha256: str, options: IngestOptions) -> StagedTake 
 def _read_and_stage(task: _Task, sha256: str) -> StagedTake:
     source, folder = task.source, Path(task.store)
     with Spool(staging_folder(folder, sha256)) as spool:
-        recording = FORMATS[source.format]().read(source, spool, task.options.mapping)
+        with refusals_told(source):
+            recording = FORMATS[source.format]().read(source, spool, task.options.mapping)
         spool.close()
         images = SpooledImages(spool.folder, spool.columns())
         # readings beyond 1e8 are left out; other numbers, of fields without such a unit, may overflow to inf

@@ -8,11 +8,13 @@ import shutil
 import numpy as np
 import pytest
 from command import run_command
+from copied_trees import copy_tree
 from generators.folder_log import write
 
 from tactiledata.ingest.sources.overview import choose_touches, draw, page
 from tactiledata.splits.make import make_split
 from tactiledata.store.read.reader import Store
+from tactiledata.store.write.commit import create
 
 STEP = re.compile(r"(?:next|draw it again): (tactiledata .*)")
 
@@ -148,3 +150,22 @@ def test_a_picture_of_a_store_without_forces_claims_none(tmp_path, capsys):
     assert len(figure.axes) % 3 == 0
     assert not any("force" in word or "frame)" in word for word in [*words, caption])
     assert np.isfinite(figure.get_size_inches()).all()
+
+
+def test_info_of_an_empty_store_has_no_empty_tables(tmp_path, capsys):
+    """A store without recordings has neither heads without rows nor a status of nothing; it says what to do."""
+    create(tmp_path / "ds.zarr")
+    code, out, _ = run_command(capsys, "info", tmp_path / "ds.zarr")
+    assert code == 0
+    assert not re.search(r"^(sensor|indenter|status)", out, re.MULTILINE)
+    assert "Ingest recordings first" in out
+
+
+def test_info_says_what_follows_the_audit(tiny_store, tmp_path, capsys):
+    """An audit leaves no trace in a store: its line stays, and the one after it names a command that runs."""
+    copy_tree(tiny_store, tmp_path / "ds.zarr")
+    _, out, _ = run_command(capsys, "info", tmp_path / "ds.zarr")
+    assert "next: tactiledata audit" in out
+    command = re.search(r"where the audit found no leak: .*, or (tactiledata .*)", out)[1]
+    code, printed, err = run_command(capsys, *shlex.split(command)[1:], "--out", tmp_path / "out")
+    assert code == 0, printed + err

@@ -1,7 +1,6 @@
 """Documents from strangers: every fault is a SchemaError with its place, and none exhausts time or memory."""
 
 import json
-import re
 from pathlib import Path
 
 import pytest
@@ -66,8 +65,11 @@ def test_a_text_in_place_of_keys_is_explained():
 )
 def test_a_fault_says_what_is_expected(document, schema, said):
     """Whoever mistypes a key or writes too few units is told which keys there are, and how many units."""
-    with pytest.raises(SchemaError, match=re.escape(said)):
+    with pytest.raises(SchemaError) as caught:
         check_document(document, schema, "x.yaml")
+    assert said.partition("; expected")[0].rstrip(".;") in caught.value.found
+    assert "expected" not in caught.value.found
+    assert said.partition("; expected ")[2].rstrip(".") in caught.value.expected
 
 
 def test_a_document_of_another_kind_is_called_that():

@@ -2,6 +2,8 @@
 
 import dataclasses
 import json
+import re
+import shutil
 
 import numpy as np
 import pyarrow as pa
@@ -17,7 +19,9 @@ from tactiledata.ingest import pipeline
 from tactiledata.ingest.pipeline import ingest, source_digest
 from tactiledata.ingest.sources.reports import SourceReport
 from tactiledata.ingest.trajectories.assemble import IngestOptions
+from tactiledata.store.layout.manifest import read_manifest
 from tactiledata.store.read.reader import Store
+from tactiledata.store.write import commit
 from tests.ingest.made_takes import take
 from tests.ingest.sources.test_replacing_plan import Staged
 
@@ -58,13 +62,48 @@ def test_each_take_is_committed_once():
 
 
 def test_progress_is_told_of_every_source():
-    """How many are done, from 1, of how many; without a listener the outcomes are the same."""
+    """How many are read, from 1, of how many, and how many are stored; without a listener the outcomes are the same."""
     outcomes = [outcome(key="a"), outcome(key="b")]
     told = []
-    assert list(pipeline._told(iter(outcomes), 2, lambda *said: told.append(said))) == outcomes
-    assert told == [(1, 2, "a"), (2, 2, "b")]
-    assert list(pipeline._told(iter(outcomes), 2, None)) == outcomes
+    watch = pipeline._Watch(2, lambda *said: told.append(said))
+    for _ in pipeline._told(iter(outcomes), watch):
+        watch.stored(len(told))
+    assert told == [
+        (1, 2, "a read, 0 stored so far"),
+        (1, 2, "1 stored so far"),
+        (2, 2, "b read, 1 stored so far"),
+        (2, 2, "4 stored so far"),
+    ]
+    assert list(pipeline._told(iter(outcomes), pipeline._Watch(2, None))) == outcomes
     assert str(task("a")) == "a"
+
+
+def test_progress_never_says_more_than_the_store_holds(tmp_path, monkeypatch):
+    """At every moment the store has at least as many recordings as were said to be stored, and in the end all."""
+    monkeypatch.setattr(commit, "GROUP_TAKES", 2)
+    for number in range(5):
+        picture_folder(tmp_path / "in" / f"run{number}", count=2 + number)
+    said = []
+
+    def look(done, total, what):
+        stored = int(re.search(r"(\d+) stored", what)[1])
+        said.append(stored)
+        assert stored == len(read_manifest(tmp_path / "ds.zarr")["sources"])
+
+    ingest([tmp_path / "in"], tmp_path / "ds.zarr", progress=look)
+    assert said[-1] == 5
+    assert sorted(set(said)) == [0, 2, 4, 5]
+
+
+def test_a_copy_within_one_call_is_told_as_one(tmp_path):
+    """A copy names the source that came in; what the store held before is no copy of anything."""
+    picture_folder(tmp_path / "in" / "one")
+    shutil.copytree(tmp_path / "in" / "one", tmp_path / "in" / "two")
+    first = ingest([tmp_path / "in"], tmp_path / "ds.zarr")
+    assert [(one.state, one.copy_of) for one in first.sources] == [("added", ""), ("present", first.sources[0].key)]
+    assert first.document()["sources"][1]["copy_of"] == first.sources[0].key
+    again = ingest([tmp_path / "in"], tmp_path / "ds.zarr")
+    assert [(one.state, one.copy_of) for one in again.sources] == [("present", ""), ("present", "")]
 
 
 def test_an_outcome_for_replacing():
@@ -193,7 +232,7 @@ def test_pictures_become_a_store(tmp_path):
     log, store, told = picture_folder(tmp_path / "run"), tmp_path / "ds.zarr", []
     report = ingest([log], store, progress=lambda *said: told.append(said))
     assert [(one.state, one.frames) for one in report.sources] == [("added", 3)]
-    assert told == [(1, 1, "run")]
+    assert told == [(1, 1, "run read, 0 stored so far"), (1, 1, "1 stored so far")]
     assert (report.store, report.unclaimed, report.findings, report.stale_splits) == (str(store), (), (), ())
     assert [one.state for one in ingest([log], store).sources] == ["present"]
     assert [one.state for one in ingest([log], store, replace=True).sources] == ["present"]

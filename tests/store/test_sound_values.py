@@ -35,7 +35,9 @@ def test_a_whole_store_is_sound(tiny_store):
 def test_a_lost_chunk_is_no_recording_without_forces(copy, array):
     """It reads as numbers that nobody recorded; calibration and diagnosis, which read touches alike, say so."""
     chunk_of(copy, array).unlink()
-    with pytest.raises(TactileDataError, match=rf"a damaged store: {array}, rows 0 to \d+ of .*mcap: .*CRC-32C"):
+    with pytest.raises(
+        TactileDataError, match=rf"a damaged store: {array}, rows 0 to \d+ of .*mcap: the file {array}/c.0.0 is missing"
+    ):
         read_measured(OpenedStore.planned(Store.open(copy), CalibrationOptions().pads), CalibrationOptions())
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from tactiledata.contract.wording import counted
 from tactiledata.diagnose.answer.diagnosis import StoreDiagnosis
 from tactiledata.diagnose.residuals.wording import percent
 from tactiledata.effects import EFFECTS
@@ -23,7 +24,9 @@ def notes_of(done: StoreDiagnosis) -> list[str]:
     """Return notes on trajectories, frames and effects that took no part, and why."""
     # trajectories and frames
     played = done.played
-    notes = [f"{count} x {reason}" for reason, count in sorted(played.left_out.items())]
+    notes = [
+        f"{counted(count, 'trajectory')} took no part: {reason}" for reason, count in sorted(played.left_out.items())
+    ]
     frames = played.frames
     if frames.lost:
         notes.append(

@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from tactiledata.formats.reading.described import camera_topics
 from tactiledata.formats.reading.hdf5_members import Hdf5Members
 
 DEEP = 6
@@ -102,9 +103,10 @@ def paths_read(mapping: Mapping[str, Any]) -> set[str]:
     mapping : dict
         A document that fits ``schemas/mapping.json``.
     """
-    entries = [*mapping.get("signals", {}).values(), *mapping.get("images", {}).values()]
-    paths = [entry[key] for entry in entries for key in ("topic", "time") if key in entry]
-    paths += [joined(entry["topic"], field) for entry in entries for field in entry.get("fields", ())]
+    signals, images = ([*mapping.get(part, {}).values()] for part in ("signals", "images"))
+    paths = [*(entry["topic"] for entry in signals), *(path for entry in images for path in camera_topics(entry))]
+    paths += [entry["time"] for entry in (*signals, *images) if "time" in entry]
+    paths += [joined(entry["topic"], field) for entry in signals for field in entry.get("fields", ())]
     return {path.strip("/") for path in paths}
 
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from tactiledata.arrays import Times
 from tactiledata.errors import BrokenLog
 from tactiledata.formats.hdf5.signals import ArrayFile
+from tactiledata.formats.reading.described import camera_topics
 from tactiledata.formats.reading.hdf5_members import Hdf5Rows, UnreadableNumbers
 from tactiledata.formats.reading.intake import Intake
 
@@ -72,9 +73,12 @@ def mapped_cameras(file: ArrayFile, mapping: Mapping[str, Any], intake: Intake) 
     """
     cameras = []
     for name, entry in mapping.get("images", {}).items():
-        place, topic = f"images.{name}", str(entry["topic"])
-        if not file.has(topic):
-            text = f"{file.name} has no {topic}, which the mapping names under {place}; {name} is not read"
+        place, topics = f"images.{name}", camera_topics(entry)
+        topic = next((path for path in topics if file.has(path)), "")
+        if not topic:
+            text = (
+                f"{file.name} has no {' or '.join(topics)}, which the mapping names under {place}; {name} is not read"
+            )
             intake.note("missing-topic", "warning", text, name)
             continue
         rows = _rows(file, topic, place)

@@ -74,10 +74,27 @@ def joint_draft(grounds: Sequence[DraftGrounds], mapping: Mapping[str, Any] | No
             if serial and serial not in serials.setdefault(topic, []):
                 serials[topic].append(serial)
     described = LogDescription({"sensors": sensors}) if sensors else LogDescription()
-    draft = draft_mapping(topics, roles, _all_glimpses(grounds), serials, described)
+    one_camera = () if "images" in (mapping or {}) else _one_camera(grounds)
+    draft = draft_mapping(topics, roles, _all_glimpses(grounds), serials, described, one_camera)
     if len(grounds) == 1:
         return draft
     return dataclasses.replace(draft, text="".join(f"# {on_one_line(line)}\n" for line in _head(grounds)) + draft.text)
+
+
+def _one_camera(grounds: Sequence[DraftGrounds]) -> list[str]:
+    """Several topics of one type, of which each recording has one and no other camera; else none."""
+    topics: list[str] = []
+    kinds = set()
+    for part in grounds:
+        pictures = {topic.name: topic.kind for topic in part.topics if topic.kind in IMAGE_KINDS}
+        cameras = [(role.camera, role.topic) for role in part.roles.images] or [("", topic) for topic in pictures]
+        if len(cameras) > 1:
+            return []
+        for camera, topic in cameras:
+            topics.append(topic)
+            kinds.add((camera, pictures.get(topic, "")))
+    several = sorted(set(topics), key=natural_key)
+    return several if len(several) > 1 and len(kinds) == 1 else []
 
 
 def _all_topics(grounds: Sequence[DraftGrounds]) -> list[Topic]:

@@ -30,6 +30,7 @@ from tactiledata.formats.mcap.unread_topics import (
     picture_fields,
     unread_topics,
 )
+from tactiledata.formats.reading.described import camera_topics
 from tactiledata.formats.reading.natural_order import natural_key
 
 LIKELY_WORDS = {"wrench": ("robotiq", "ft300"), "tcp": ("tcp", "tool"), "joints": ("joint_states",)}
@@ -68,6 +69,7 @@ def draft_mapping(
     glimpses: Mapping[str, Glimpse],
     serials: Mapping[str, Sequence[str]],
     description: LogDescription,
+    one_camera: Sequence[str] = (),
 ) -> Draft:
     """A mapping that reads what is read now, and lists every other topic with what it holds and how to read it.
 
@@ -81,6 +83,8 @@ def draft_mapping(
         Of image topics whose sensor the recordings name; several where they name different ones.
     description : LogDescription
         What the recordings say of themselves.
+    one_camera : sequence of str
+        Topics of which each recording has one, and no other camera: they are one camera of the mapping.
     """
     ordered = sorted(topics, key=lambda topic: natural_key(topic.name))
     known = [topic for topic in ordered if topic.is_readable]
@@ -88,7 +92,7 @@ def draft_mapping(
     for name in ("wrench", "tcp", "joints"):
         if name not in signals and (entry := _candidates(name, known, roles, glimpses)) is not None:
             signals[name] = entry
-    images, sensors = _images(known, roles, serials, description, glimpses)
+    images, sensors = _images(known, roles, serials, description, glimpses, one_camera)
     document: dict[str, Any] = {"format": "tactiledata-mapping/1"}
     entries = {"signals": signals, "images": images}
     document |= {title: {name: e.content for name, e in listed.items()} for title, listed in entries.items() if listed}
@@ -102,7 +106,7 @@ def _named(roles: Roles, entries: Mapping[str, Mapping[str, _Entry]]) -> set[str
     """Topics that the draft reads or offers as an alternative."""
     listed = [entry for section in entries.values() for entry in section.values()]
     contents = [content for entry in listed for content in (entry.content, *(other for other, _ in entry.instead))]
-    return roles.topics | {content["topic"] for content in contents}
+    return roles.topics | {topic for content in contents for topic in camera_topics(content)}
 
 
 def _draft_text(document: Mapping[str, Any], entries: Mapping[str, Mapping[str, _Entry]], unread: UnreadTopics) -> str:
@@ -201,21 +205,28 @@ def _images(
     serials: Mapping[str, Sequence[str]],
     description: LogDescription,
     glimpses: Mapping[str, Glimpse],
+    one_camera: Sequence[str],
 ) -> tuple[dict[str, _Entry], dict[str, Any]]:
     """Cameras, and the sensors that the recording does not describe."""
-    cameras = [(role.camera, _source(role.topic, path_of(role.data)), "") for role in roles.images]
+    cameras: list[tuple[str, dict[str, Any], str]] = [
+        (role.camera, _source(role.topic, path_of(role.data)), "") for role in roles.images
+    ]
     if not cameras:
         sources = [_source(topic.name) for topic in known if topic.kind in IMAGE_KINDS] or [
             _source(topic.name, path) for topic in known for path in picture_fields(glimpses.get(topic.name, Glimpse()))
         ]
         unsure = "nothing in the topic's name says tactile: remove it where it is no tactile sensor"
         cameras = [("digit" if n == 0 else f"digit_{n + 1}", source, unsure) for n, source in enumerate(sources)]
+    if one_camera:
+        camera, source, remark = cameras[0]
+        cameras = [(camera, {**source, "topic": list(one_camera)}, remark)]
     entries: dict[str, _Entry] = {}
     sensors: dict[str, Any] = {}
     for camera, source, remark in cameras:
         model = "gelsight_r15" if camera.startswith("gelsight") else "digit"
-        named = serials.get(source["topic"], ())
-        if len(named) > 1:
+        stated = [serials.get(topic, ()) for topic in camera_topics(source)]
+        named = list(dict.fromkeys(serial for of_topic in stated for serial in of_topic))
+        if len(named) > 1 or (named and not all(stated)):
             own = f"its sensor is left open, as each recording names its own: {', '.join(named)}"
             entries[camera] = _Entry(source, " ".join(filter(None, (remark, own))))
             sensors |= {serial: {"model": model} for serial in named if serial not in description.sensors}
@@ -233,7 +244,7 @@ def _images(
     return entries, sensors
 
 
-def _source(topic: str, data: str = "") -> dict[str, str]:
+def _source(topic: str, data: str = "") -> dict[str, Any]:
     """Return where pictures are: their topic, and the field in messages whose type does not say it."""
     return {"topic": topic, "data": data} if data else {"topic": topic}
 

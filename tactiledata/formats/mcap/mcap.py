@@ -22,7 +22,7 @@ from tactiledata.formats.mcap.passed_over import passed_over
 from tactiledata.formats.mcap.playback import Handler, HandlerFor, Playback
 from tactiledata.formats.mcap.reading import Decoders, Reading, spread
 from tactiledata.formats.mcap.roles import Roles, Topic, roles_of
-from tactiledata.formats.mcap.survey import Survey, survey
+from tactiledata.formats.mcap.survey import COPY_AGAIN, Survey, survey
 from tactiledata.formats.mcap.tally import Tally
 from tactiledata.formats.reading.backgrounds import Backgrounds
 from tactiledata.formats.reading.described import described_trajectories
@@ -252,13 +252,12 @@ def _nothing_to_read(source: Source, inventories: Sequence[Survey], decoders: De
             rows[channel.topic] = f"{channel.topic} ({kind_of(schema) or channel.message_encoding or 'no type'})" + (
                 f": {note}" if note else ""
             )
-    damage = [finding.message for inventory in inventories for finding in inventory.findings]
+    damage = [one.message.removesuffix(COPY_AGAIN) for inventory in inventories for one in inventory.findings]
     listed = "; ".join(sorted(rows.values())[:12]) + ("; …" if len(rows) > 12 else "")
     if not rows:
         cause = f" ({'; '.join(damage)})" if damage else ""
-        return BrokenLog(
-            f"{source.path} has no topics{cause}", "a recording with messages", "Record it again.", topics=[]
-        )
+        remedy = "Copy it again from where it was recorded." if damage else "Record it again."
+        return BrokenLog(f"{source.path} has no topics{cause}", "a recording with messages", remedy, topics=[])
     missing = "; ".join(finding.message for finding in roles.findings)
     return BrokenLog(
         f"{source.path} holds no topic that is known as wrench, tcp, joints or a tactile camera. Its topics: {listed}"

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import re
+import shlex
 import zlib
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import BinaryIO
 
+from tactiledata.contract.wording import agreeing, counted
 from tactiledata.formats.mcap.layout import (
     ATTACHMENT,
     CHANNEL,
     CHUNK_RECORD,
     DATA_END,
+    FOOTER,
+    FOOTER_BYTES,
     HEAD,
     MAGIC,
     MAX_RECORD_BYTES,
@@ -277,6 +282,59 @@ class RecordWalker:
                     return candidate
             position += SCAN_WINDOW
         return None
+
+
+def end_of_file(stream: BinaryIO, data_stop: int, size: int) -> int | None:
+    """Return where a file ends by its own footer, which may be before its last byte; ``None`` where that is not told.
+
+    Parameters
+    ----------
+    stream : binary file
+    data_stop : int
+        Where its data section ends and its summary begins.
+    size : int
+        Bytes in the file.
+    """
+    position = data_stop
+    while position + FOOTER_BYTES + len(MAGIC) <= size:
+        stream.seek(position)
+        head = stream.read(FOOTER_BYTES + len(MAGIC))
+        opcode, length = HEAD.unpack_from(head)
+        if opcode == FOOTER:
+            is_whole = length == SHORTEST[FOOTER] and head.endswith(MAGIC)
+            return position + len(head) if is_whole else None
+        if not is_head(opcode, length, size - position - HEAD.size):
+            return None
+        position += HEAD.size + length
+    return None
+
+
+def bytes_behind(path: Path, stream: BinaryIO, end: int, size: int) -> str:
+    """Return what is said of the bytes that were added behind the end of a file.
+
+    Parameters
+    ----------
+    path : Path
+    stream : binary file
+        The same file, opened.
+    end : int
+        Where the recording ends by its own footer.
+    size : int
+        Bytes in the file.
+    """
+    stream.seek(end)
+    count, is_other = size - end, stream.read(len(MAGIC)) == MAGIC
+    follow, were = agreeing(count, "follows", "follow"), agreeing(count, "was", "were")
+    text = f"{counted(count, 'byte')} {follow} the end of the recording at byte {end} and {were} not read"
+    if not is_other:
+        return f"{text}: {agreeing(count, 'it does', 'they do')} not begin as an MCAP file does"
+    parts = (
+        f"{shlex.join(command)} > {shlex.quote(f'{path.stem}-{number}.mcap')}"
+        for number, command in enumerate(
+            (["head", "-c", str(end), path.name], ["tail", "-c", f"+{end + 1}", path.name]), 1
+        )
+    )
+    return f"{text}: they begin as another MCAP file does. Two files were joined; split them there: {'; '.join(parts)}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,6 +15,7 @@ from typing import Any
 from tactiledata.contract.records import Finding
 from tactiledata.errors import SchemaError
 from tactiledata.formats.mcap.message_fields import steps_of
+from tactiledata.formats.reading.described import camera_topics
 from tactiledata.formats.reading.natural_order import natural_key
 from tactiledata.units import FIELDS, SIGNAL_COLUMNS
 
@@ -314,7 +315,16 @@ def _mapped_camera(
 ) -> ImageRole | None:
     place = f"images.{camera}"
     _refuse_array_keys(entry, place)
-    topic = _found(entry["topic"], known, place, findings)
+    names = camera_topics(entry)
+    there = [topic for topic in known if topic.name.strip("/") in {name.strip("/") for name in names}]
+    if len(there) > 1:
+        raise SchemaError(
+            f"the mapping's {place} lists {' and '.join(topic.name for topic in there)}: one recording has all of them",
+            "a list of topics of which each recording has one",
+            "Make a camera of each.",
+            path=f"$.{place}.topic",
+        )
+    topic = there[0] if there else _found(" or ".join(names), known, place, findings)
     if topic is None:
         return None
     data = _picture_field(entry, place)

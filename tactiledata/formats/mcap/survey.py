@@ -45,8 +45,10 @@ from tactiledata.formats.mcap.layout import (
     STATISTICS,
     parse,
 )
-from tactiledata.formats.mcap.records import Landmarks, LostSpan, RecordWalker
+from tactiledata.formats.mcap.records import Landmarks, LostSpan, RecordWalker, bytes_behind, end_of_file
 
+COPY_AGAIN = "; what is whole in it is read. Copy it again from where it was recorded"
+"""What to do with a file that was cut."""
 MAX_SUMMARY_BYTES = 2**29
 MAX_METADATA_BYTES = 2**26
 TAIL_BYTES = FOOTER_BYTES + len(MAGIC)
@@ -62,6 +64,7 @@ class Survey:
     ----------
     path : Path
     size : int
+        Bytes up to the file's own end; what is added behind it is not read.
     schemas, channels : dict by id
     metadata : list of `mcap.records.Metadata`, in file order
     attachments : dict, name -> (offset, length) of the record
@@ -127,13 +130,11 @@ def survey(path: Path) -> Survey:
     try:
         with path.open("rb") as stream:
             size = path.stat().st_size
-            inventory = Survey(path, size)
-            _check_magic(inventory, stream)
-            is_complete = _read_summary(inventory, stream)
-            if not is_complete:
-                _walk(inventory, stream)
-            elif not inventory.profile:
-                _read_header(inventory, stream)
+            inventory, end = _surveyed(path, stream, size)
+            if end is None or end == size:
+                return inventory
+            inventory, _ = _surveyed(path, stream, end)
+            inventory.note("bytes-behind-end", bytes_behind(path, stream, end, size))
             return inventory
     except OSError as error:
         raise BrokenLog(
@@ -141,6 +142,19 @@ def survey(path: Path) -> Survey:
             "a readable file",
             "Check the path and its permissions.",
         ) from error
+
+
+def _surveyed(path: Path, stream: BinaryIO, size: int) -> tuple[Survey, int | None]:
+    """The inventory of the first ``size`` bytes of a file, and where the file ends by its own account, if it tells."""
+    inventory = Survey(path, size)
+    stream.seek(0)
+    _check_magic(inventory, stream)
+    if not _read_summary(inventory, stream):
+        data_stop = _walk(inventory, stream)
+        return inventory, None if data_stop is None else end_of_file(stream, data_stop, size)
+    if not inventory.profile:
+        _read_header(inventory, stream)
+    return inventory, size
 
 
 def _check_magic(inventory: Survey, stream: BinaryIO) -> None:
@@ -203,13 +217,14 @@ def _read_summary(inventory: Survey, stream: BinaryIO) -> bool:
 
 def _footer(inventory: Survey, stream: BinaryIO) -> Footer | None:
     if inventory.size < TAIL_BYTES + len(MAGIC):
-        inventory.note("no-footer", "the file ends before its footer")
+        inventory.note("no-footer", f"the file ends before its footer{COPY_AGAIN}")
         return None
     stream.seek(inventory.size - TAIL_BYTES)
     tail = stream.read(TAIL_BYTES)
     opcode, length = HEAD.unpack_from(tail)
     if tail[FOOTER_BYTES:] != MAGIC or opcode != FOOTER or length != FOOTER_BYTES - HEAD.size:
-        inventory.note("no-footer", "the file does not end with a footer: it was cut, or something was added behind it")
+        text = "the file does not end with a footer: it was cut, or something was added behind it"
+        inventory.note("no-footer", f"{text}{COPY_AGAIN}")
         return None
     return parse(Footer, tail[HEAD.size : FOOTER_BYTES])
 
@@ -276,8 +291,12 @@ def _read_metadata(inventory: Survey, stream: BinaryIO, indexes: list[MetadataIn
     return True
 
 
-def _walk(inventory: Survey, stream: BinaryIO) -> None:
-    """The inventory from the data section itself; what is lost there is reported when messages are read."""
+def _walk(inventory: Survey, stream: BinaryIO) -> int | None:
+    """The inventory from the data section itself, and where that ends, if it is met.
+
+    What is lost there is reported when messages are read.
+    """
+    data_stop = None
     known = replace(inventory, findings=[], schemas={}, channels={}, metadata=[], attachments={})
     for record in RecordWalker(stream, inventory.size, inventory.landmarks):
         if isinstance(record, LostSpan):
@@ -293,13 +312,15 @@ def _walk(inventory: Survey, stream: BinaryIO) -> None:
             _take_metadata(known, record.body)
         elif record.opcode == ATTACHMENT:
             known.attachments.update(_walked_attachment(record.body, record.offset, record.length))
-        elif record.opcode == DATA_END and not inventory.data_crc:
-            inventory.data_crc = parse(DataEnd, record.body).data_section_crc
+        elif record.opcode == DATA_END:
+            data_stop = record.offset + HEAD.size + record.length
+            inventory.data_crc = inventory.data_crc or parse(DataEnd, record.body).data_section_crc
     inventory.profile, inventory.library = known.profile, known.library
     inventory.schemas = {**inventory.schemas, **known.schemas}
     inventory.channels = {**inventory.channels, **known.channels}
     inventory.metadata, inventory.attachments = known.metadata, known.attachments
     inventory.findings += known.findings
+    return data_stop
 
 
 def _definitions(body: bytes) -> Iterator[tuple[int, bytes]]:

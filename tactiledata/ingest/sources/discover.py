@@ -17,6 +17,7 @@ from tactiledata.formats.base import Format
 from tactiledata.formats.folder.files import DESCRIPTION, TABLES
 from tactiledata.formats.reading.links import leads_back_up
 from tactiledata.formats.reading.natural_order import natural_key
+from tactiledata.ingest.sources.refused import refuse_folder, refused_findings, why_shut
 from tactiledata.store.layout.manifest import ADDRESS
 from tactiledata.store.layout.places import store_around
 
@@ -32,8 +33,11 @@ def format_of(path: Path, name: str | None = None) -> Format | None:
         return FORMATS[name]()
     for candidate in FORMATS:
         member = FORMATS[candidate]()
-        if member.sniff(path):
-            return member
+        try:
+            if member.sniff(path):
+                return member
+        except OSError:
+            continue  # what refuses to be looked at is said where it is met
     return None
 
 
@@ -62,6 +66,9 @@ def find_sources(paths: Sequence[Path], format_name: str | None = None) -> tuple
             )
         found, left = _below(path, format_name, MAX_DEPTH)
         if not found:
+            _, refused = refused_findings(left)
+            if refused:
+                raise BrokenLog(refused[0].message, "a recording that can be read", "Check it.", path=str(path))
             if pointers := [file for file in left if is_lfs_pointer(file)]:
                 raise not_fetched(str(pointers[0]), len(pointers) - 1)
             raise _no_recording(path, left)
@@ -89,13 +96,13 @@ def _absent(path: Path) -> MissingFile:
 
 
 def unclaimed_findings(unclaimed: Sequence[Path]) -> tuple[list[Path], list[Finding]]:
-    """Files that no format claims without those that were not fetched, and what is said of these and of lost logs."""
-    pointers = [path for path in unclaimed if is_lfs_pointer(path)]
-    findings = undescribed_logs(unclaimed)
+    """Files that no format claims without those that cannot be read, and what is said of these and of lost logs."""
+    left, findings = refused_findings(unclaimed)
+    pointers = [path for path in left if is_lfs_pointer(path)]
     if pointers:
         message = f"{pointer_words(str(pointers[0]), len(pointers) - 1)}; left out"
-        findings.insert(0, Finding("not-fetched", "warning", message, count=len(pointers)))
-    return [path for path in unclaimed if path not in pointers], findings
+        findings.append(Finding("not-fetched", "warning", message, count=len(pointers)))
+    return [path for path in left if path not in pointers], [*findings, *undescribed_logs(left)]
 
 
 def undescribed_logs(unclaimed: Sequence[Path]) -> list[Finding]:
@@ -177,9 +184,17 @@ def _below(path: Path, format_name: str | None, depth: int) -> tuple[list[Source
         return [*sources, *more], unclaimed
     if not path.is_dir() or depth == 0:
         return [], [path]
-    return _joined(
-        ([], [child]) if leads_back_up(child) else _below(child, format_name, depth - 1) for child in _children(path)
-    )
+    return _joined(_inside(child, format_name, depth - 1) for child in _children(path))
+
+
+def _inside(path: Path, format_name: str | None, depth: int) -> tuple[list[Source], list[Path]]:
+    """What lies at and below a path inside a folder; a place that the system refuses is left, and the others go on."""
+    try:
+        return ([], [path]) if leads_back_up(path) else _below(path, format_name, depth)
+    except (OSError, BrokenLog):
+        if not why_shut(path):
+            raise
+        return [], [path]
 
 
 def _beside(folder: Path, sources: Sequence[Source], member: Format, depth: int) -> tuple[list[Source], list[Path]]:
@@ -199,19 +214,15 @@ def _beside(folder: Path, sources: Sequence[Source], member: Format, depth: int)
         place = child.resolve()
         if place in homes:
             return [], []
-        return below(child, levels) if place in ways else _below(child, None, levels)
+        return below(child, levels) if place in ways else _inside(child, None, levels)
 
     return ([], []) if folder.resolve() in homes and member.takes_subfolders else below(folder, depth)
 
 
 def _children(folder: Path) -> list[Path]:
     """What lies in a folder, in natural order, without hidden files and stores."""
-    try:
-        children = sorted(folder.iterdir(), key=lambda child: natural_key(child.name))
-    except OSError as error:
-        raise TactileDataError(
-            f"the folder {folder} cannot be read ({error.strerror})", "a readable folder", "Check its permissions."
-        ) from error
+    refuse_folder(folder)
+    children = sorted(folder.iterdir(), key=lambda child: natural_key(child.name))
     return [child for child in children if not child.name.startswith(".") and child.suffix != ".zarr"]
 
 

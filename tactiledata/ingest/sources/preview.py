@@ -19,6 +19,7 @@ from tactiledata.formats.reading.intake import MOST_OPENED
 from tactiledata.ingest.checks.checks import broken_finding, check_take, flag_images, stated_size_findings
 from tactiledata.ingest.checks.twins import overlaps, twin_finding
 from tactiledata.ingest.sources.image_facts import ImageFacts
+from tactiledata.ingest.sources.refused import refusals_told
 from tactiledata.ingest.trajectories.assemble import IngestOptions, assemble
 from tactiledata.store.layout.sensors_table import Facts, merged_facts, reference_conflict
 
@@ -82,7 +83,8 @@ def preview(source: Source, mapping: Mapping[str, Any] | None = None) -> Preview
         Nothing can be read.
     """
     facts = ImageFacts()
-    inspection = FORMATS[source.format]().inspect(source, mapping, facts)
+    with refusals_told(source):
+        inspection = FORMATS[source.format]().inspect(source, mapping, facts)
     if inspection.recording is None:
         return Preview(inspection)
     try:

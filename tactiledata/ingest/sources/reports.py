@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from tactiledata.contract.records import Finding
@@ -19,7 +20,7 @@ class SourceReport:
     ----------
     key : str
     state : "added", "replaced", "present" or "failed"
-        ``present``: the store had it already.
+        ``present``: the store had it already, or a copy of it came in before it.
     status : str
         ``ok``, ``unverified``, ``damaged``; empty where it failed.
     frames, trajectories : int
@@ -30,6 +31,8 @@ class SourceReport:
         Digest of its files; empty where it failed.
     kind : "simulated", "real" or "not stated"
         What its description states of its contacts.
+    copy_of : str
+        Key of the source of the same call whose files are the same and which came in; empty where there is none.
     """
 
     key: str
@@ -41,6 +44,7 @@ class SourceReport:
     error: str = ""
     sha256: str = ""
     kind: Kind = "not stated"
+    copy_of: str = ""
 
 
 @dataclass(frozen=True)
@@ -77,8 +81,9 @@ class IngestReport:
 
     @property
     def fell_short(self) -> bool:
-        """Whether a source failed or lost data."""
-        return any(source.state == "failed" or source.status == "damaged" for source in self.sources)
+        """Whether a source failed or lost data, or a place could not be read."""
+        is_short = any(source.state == "failed" or source.status == "damaged" for source in self.sources)
+        return is_short or any(finding.severity == "damage" for finding in self.findings)
 
     def document(self) -> dict[str, Any]:
         """The report as JSON values."""
@@ -92,6 +97,7 @@ class IngestReport:
                     "frames": source.frames,
                     "trajectories": source.trajectories,
                     "kind": source.kind,
+                    "copy_of": source.copy_of,
                     "error": source.error,
                     "findings": [vars(finding) for finding in source.findings],
                 }
@@ -103,6 +109,21 @@ class IngestReport:
             "fell_short": self.fell_short,
             "simulated_recordings": self.simulated.document(),
         }
+
+
+def with_copies(reports: Sequence[SourceReport]) -> list[SourceReport]:
+    """Return the reports, where those of copies name the source of the same call that came in.
+
+    Parameters
+    ----------
+    reports : sequence of SourceReport
+        Of all sources of one call.
+    """
+    came = {report.sha256: report.key for report in reports if report.state in ("added", "replaced")}
+    return [
+        replace(report, copy_of=came[report.sha256]) if report.state == "present" and report.sha256 in came else report
+        for report in reports
+    ]
 
 
 def report_of(key: str, state: str, staged: StagedTake, *findings: Finding) -> SourceReport:

@@ -17,13 +17,14 @@ from tactiledata.errors import SchemaError, TactileDataError
 from tactiledata.store.check.documents import document_findings
 from tactiledata.store.check.flags import flags_findings
 from tactiledata.store.check.indices import INDEX_NEEDS, index_findings
+from tactiledata.store.check.lost_files import lost_images
 from tactiledata.store.check.meshes import mesh_findings
 from tactiledata.store.check.payloads import payload_faults
 from tactiledata.store.check.pointers import pointer_findings
 from tactiledata.store.check.splits import split_findings
 from tactiledata.store.check.stray_sizes import stray_findings
 from tactiledata.store.check.tables import not_checked, table_findings
-from tactiledata.store.check.values import value_findings
+from tactiledata.store.check.values import remedied_value_findings
 from tactiledata.store.layout.manifest import need_manifest_schema
 from tactiledata.store.layout.statistics import statistics_fault
 from tactiledata.store.read.reader import Store
@@ -91,7 +92,7 @@ def check(
     findings += [*_shape_findings(opened), *_sensor_findings(opened)]
     findings += index_findings(opened, broken)
     if "sources" not in broken:
-        findings += value_findings(opened, lambda key: steps.take(1, key))
+        findings += remedied_value_findings(opened, lambda key: steps.take(1, key))
     if n_images:
         findings += image_findings(opened, decode, threads, lambda count: steps.take(count, "images"))
     if not {"frames", "sources"} & broken:
@@ -199,7 +200,7 @@ def image_findings(store: Store, decode: bool, threads: int | None, said: Callab
         return [_damage("store-payload", without_remedy(error))]
     new = [(row, why) for row, why in faults if not flags[row] & FrameFlag.BROKEN]
     marked = len(faults) - len(new)
-    findings = []
+    findings, new = lost_images(store, new)
     if new:
         shown = "; ".join(f"frame {row}: {why}" for row, why in new[:5]) + ("; …" if len(new) > 5 else "")
         message = f"{_damaged_words(len(new))} ({shown}); `check {'--decode ' * decode}--repair` marks them as broken"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator
+from dataclasses import replace
 
 import google_crc32c
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from tactiledata.contract.lfs_pointer import without_remedy
 from tactiledata.contract.records import Finding
 from tactiledata.errors import TactileDataError
+from tactiledata.store.check.lost_files import ingest_again
 from tactiledata.store.layout.places import (
     ALIGNED_ARRAYS,
     SIGNAL_ARRAYS,
@@ -25,8 +27,10 @@ BLOCK_ROWS = 65_536
 
 
 def value_findings(
-    store: Store, said: Callable[[str], None], is_asked: Callable[[str], bool] = lambda path: True
-) -> Iterator[Finding]:
+    store: Store,
+    said: Callable[[str], None],
+    is_asked: Callable[[str], bool] = lambda path: True,
+) -> list[Finding]:
     """Numbers that are not those of their sources, and times that run backwards.
 
     Parameters
@@ -38,13 +42,36 @@ def value_findings(
     is_asked : callable
         Of an array's path: whether it is checked.
     """
+    return [finding for _, finding in _by_recording(store, said, is_asked)]
+
+
+def remedied_value_findings(store: Store, said: Callable[[str], None]) -> list[Finding]:
+    """`value_findings` with what to do: damaged recordings are replaced together, or those that stay prevent it.
+
+    Parameters
+    ----------
+    store : Store
+        The store, which may be damaged.
+    said : callable
+        Told the name of each source that was checked.
+    """
+    found = list(_by_recording(store, said, lambda path: True))
+    remedy = ingest_again(store.location, list(dict.fromkeys(key for key, _ in found)))
+    return [replace(finding, message=f"{finding.message}; {remedy}") for _, finding in found]
+
+
+def _by_recording(
+    store: Store, said: Callable[[str], None], is_asked: Callable[[str], bool]
+) -> Iterator[tuple[str, Finding]]:
     first_frame = 0
     rows: dict[str, Rows] = {}
     for source in store.sources(["key", "frames", "contents"]).to_pylist():
         frames = (first_frame, first_frame + source["frames"])
         first_frame = frames[1]
-        yield from source_value_findings(store, source["key"], source["contents"], frames, rows, is_asked)
-        said(source["key"])
+        key = source["key"]
+        for finding in source_value_findings(store, key, source["contents"], frames, rows, is_asked):
+            yield key, finding
+        said(key)
 
 
 def need_sound_values(store: Store, signals: Collection[str]) -> None:
@@ -60,7 +87,7 @@ def need_sound_values(store: Store, signals: Collection[str]) -> None:
     home = home_of(store.manifest)
     needed = {signal_path(home, name, array) for name in signals for array in SIGNAL_ARRAYS}
     needed |= {aligned_path(home, name, array) for name in store.aligned_names for array in ALIGNED_ARRAYS}
-    found = list(value_findings(store, lambda key: None, needed.__contains__))
+    found = value_findings(store, lambda key: None, needed.__contains__)
     if found:
         raise TactileDataError(
             f"a damaged store: {found[0].message}" + (f"; {len(found) - 1} more" if found[1:] else ""),
@@ -127,4 +154,7 @@ def _span_fault(store: Store, rows: dict[str, Rows], path: str, start: int, stop
                 last = block[-1]
     except (TactileDataError, OSError) as error:
         return without_remedy(error)
-    return "" if crc == expected else "the numbers do not fit their CRC-32C"
+    if crc == expected:
+        return ""
+    lost = values.lost_files(start, stop)
+    return f"the file {lost[0]} is missing" if lost else "the numbers do not fit their CRC-32C"

@@ -6,7 +6,7 @@ from collections import defaultdict
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from tactiledata.contract.wording import listed
+from tactiledata.contract.wording import counted, listed
 from tactiledata.errors import UnknownName, UsageError
 
 if TYPE_CHECKING:
@@ -21,6 +21,20 @@ def full_names(store: Store) -> list[str]:
     keys = store.sources(["key"])["key"].to_pylist()
     rows = store.trajectories(["trajectory", "source"]).to_pylist()
     return [f"{keys[row['source']]}/{row['trajectory']}" for row in rows]
+
+
+def _told_apart(store: Store, rows: Sequence[int], typed: Sequence[str]) -> list[str]:
+    """Names to type for rows of the table of trajectories, each with what tells the trajectory from the others."""
+    sources = store.sources(["key", "sha256"]).to_pylist()
+    facts = store.trajectories(["source", "sensor", "start_ns", "frame_start", "frame_stop"]).take(list(rows))
+    told = []
+    for name, row in zip(typed, facts.to_pylist(), strict=True):
+        source = sources[row["source"]]
+        told.append(
+            f"{name} (of {source['key']}, SHA-256 {source['sha256'][:12]}…, sensor {row['sensor'] or 'not named'}, "
+            f"{counted(row['frame_stop'] - row['frame_start'], 'image')}, begins at {row['start_ns'] / 1e9:.3f} s)"
+        )
+    return told
 
 
 def named_trajectories(store: Store, names: Sequence[str]) -> list[int]:
@@ -50,12 +64,12 @@ def named_trajectories(store: Store, names: Sequence[str]) -> list[int]:
         if name not in rows_of:
             raise UnknownName("trajectory", name, full)
         if len(rows_of[name]) > 1:
-            meant = [full[row] for row in sorted(rows_of[name])]
-            meant = meant if len(set(meant)) == len(meant) else [uids[row] for row in sorted(rows_of[name])]
+            meant = sorted(rows_of[name])
+            typed = [full[row] if len(rows_of[full[row]]) == 1 else uids[row] for row in meant]
             raise UsageError(
                 f"{len(meant)} trajectories are called {name!r}",
-                f"one of them: {listed(meant, SHOWN)}",
-                "Name a recording and its trajectory, or a uid.",
+                f"one of these names: {listed(_told_apart(store, meant, typed), SHOWN)}",
+                "Type the name that stands before the brackets.",
             )
         rows += rows_of[name]
     return list(dict.fromkeys(rows))

@@ -124,7 +124,8 @@ class Pictures:
         try:
             return self._files.spans(spans)
         except FileNotFoundError as error:
-            raise missing_file(str(error.filename or error), self._files.location) from error
+            path = str(error.filename or error).removeprefix(f"{self._files.location}/")
+            raise missing_file(path, self._files.location) from error
 
     def payloads(self, rows: Sequence[int], verify: bool) -> list[bytes | None]:
         """The bytes of frames as kept: JPEG or PNG files, raw RGB unpacked, ``None`` where no image was recorded."""

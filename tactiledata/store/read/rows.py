@@ -85,15 +85,31 @@ class Rows:
                 "the store as it was opened",
                 "It was moved, or a recording in it was replaced: open it again.",
             )
-        if self._need_recorded is not None and _is_fill(rows, array.fill_value):
-            key = array.metadata.encode_chunk_key((index,) + (0,) * (array.ndim - 1))
-            if self._files.may_be_missing(f"{self._path}/{key}"):
-                self._need_recorded(self._path, index * size, index * size + len(rows))
+        need = self._need_recorded
+        if (
+            need is not None
+            and _is_fill(rows, array.fill_value)
+            and self._files.may_be_missing(self._chunk_file(index))
+        ):
+            need(self._path, index * size, index * size + len(rows))
         rows.setflags(write=False)
         self._chunks[index] = rows
         while len(self._chunks) > 1 and sum(chunk.nbytes for chunk in self._chunks.values()) > CACHE_BYTES:
             self._chunks.popitem(last=False)
         return rows
+
+    def _chunk_file(self, index: int) -> str:
+        array = self._opened()
+        return f"{self._path}/{array.metadata.encode_chunk_key((index,) + (0,) * (array.ndim - 1))}"
+
+    def lost_files(self, start: int, stop: int) -> list[str]:
+        """Files of the chunks of rows [start, stop) that are not there; such rows read as nothing.
+
+        A chunk in which nothing was recorded has no file either.
+        """
+        size = self._opened().chunks[0]
+        files = (self._chunk_file(index) for index in range(start // size, (stop - 1) // size + 1))
+        return [file for file in files if not self._files.still_there(file)]
 
     def lengthen(self, length: int) -> None:
         """More rows count from now on; the array stays open, and what was read of its last chunk is read again."""

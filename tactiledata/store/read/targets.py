@@ -71,7 +71,8 @@ def find_target(name: str, store: Store) -> Target:
             "sensor", name, known, "`tactiledata sensors add NAME --background FILE...` adds one to the store."
         )
     info = resolve_background(name)
-    words = f"{info.name}, a real picture that comes with the toolkit ({info.source})"
+    stands_for = "" if info.name == name else f"{info.name}, "
+    words = f"{stands_for}a real picture that comes with the toolkit ({info.source})"
     return Target(name, load_background(name), words, info.licence, info.attribution)
 
 

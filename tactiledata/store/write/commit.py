@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import copy
 import shutil
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
 from tactiledata.contract.provenance import bytes_digest, file_digest
-from tactiledata.errors import NotAStore, StoreError, UsageError
+from tactiledata.errors import NotAStore, TactileDataError, UsageError
 from tactiledata.store.layout.arrays import open_root
 from tactiledata.store.layout.batch import Batch
 from tactiledata.store.layout.lock import unwritable, writing_lock
@@ -66,7 +66,7 @@ def create(store_path: Path | str, settings: Settings | None = None) -> Manifest
                 if not (folder / MANIFEST).exists():
                     _start(folder, settings or Settings())
     except OSError as error:
-        if isinstance(error, StoreError):
+        if isinstance(error, TactileDataError):
             raise
         raise unwritable(folder, error) from error
     manifest = read_manifest(folder)
@@ -168,7 +168,7 @@ class store_errors:
         return None
 
     def __exit__(self, _: object, error: BaseException | None, __: object) -> None:
-        if isinstance(error, OSError) and not isinstance(error, StoreError):
+        if isinstance(error, OSError) and not isinstance(error, TactileDataError):
             raise unwritable(self._folder, error) from error
 
 
@@ -261,16 +261,28 @@ def _new_takes(manifest: Manifest, staged: Sequence[StagedTake]) -> tuple[list[S
     return fresh, [take for take in skipped if take.folder not in {other.folder for other in fresh}]
 
 
-def commit_groups(store_path: Path | str, staged: Iterable[StagedTake]) -> Manifest:
+def commit_groups(
+    store_path: Path | str, staged: Iterable[StagedTake], committed: Callable[[int], None] = lambda count: None
+) -> Manifest:
     """The manifest after takes were committed in their order, in groups whose borders depend on their content only.
 
     So an ingest that was killed and runs again ends with the same manifest, byte for byte. ``staged`` is drawn from
     while groups are committed: it may be a generator that waits for workers.
+
+    Parameters
+    ----------
+    store_path : Path or str
+        Folder of the store.
+    staged : iterable of StagedTake
+        Takes that lie in the staging folder of this store.
+    committed : callable
+        Told after each group how many takes it had.
     """
     folder = Path(store_path)
     manifest = read_manifest(folder)
     for group in groups(staged, set(manifest["sources"])):
         manifest = commit(folder, group, with_card=False)
+        committed(len(group))
     with store_errors(folder), writing_lock(folder):
         refresh_card(folder, manifest)
     return manifest

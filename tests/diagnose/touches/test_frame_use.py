@@ -108,7 +108,8 @@ def test_the_notes_state_numbers_and_share():
 def test_nothing_is_noted_of_frames_that_all_take_part():
     """Notes of trajectories alone remain where no frame is lost or estimated."""
     assert noted(FrameUse(0, 0.0, 0)) == []
-    assert noted(FrameUse(0, 0.0, 0), {"no pose": 4}) == ["4 x no pose"]
+    assert noted(FrameUse(0, 0.0, 0), {"no pose": 4}) == ["4 trajectories took no part: no pose"]
+    assert noted(FrameUse(0, 0.0, 0), {"flagged": 1}) == ["1 trajectory took no part: flagged"]
 
 
 def test_a_gel_that_was_played_in_full_is_noted_with_what_the_estimate_missed():

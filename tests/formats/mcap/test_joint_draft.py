@@ -9,6 +9,7 @@ from command import run_command
 from generators.mcap_files import KINDS, START, STEP, Tape, picture, ros_message
 
 from tactiledata.formats.mcap.mcap import McapFormat
+from tactiledata.store.read.reader import Store
 
 FORMAT = McapFormat()
 
@@ -71,6 +72,45 @@ def test_recordings_alike_give_the_draft_of_one(tmp_path, capsys):
     assert not one.startswith("#")
     document = json.loads(run_command(capsys, "inspect", tmp_path, "--json")[1])
     assert document["suggested_mapping"] == yaml.safe_load(both)
+
+
+@pytest.mark.parametrize("form", ["yaml", "json"])
+def test_a_camera_of_several_topics_is_one(tmp_path, capsys, form):
+    """Where each recording has one camera, its topic differing by the serial, the store has one stream of them."""
+    for number in (1, 2):
+        recorded(tmp_path / f"run{number}.mcap", "/lab/force", cameras=(f"/digit/D2000{number}/image",))
+    text = run_command(capsys, "inspect", tmp_path, "--suggest-mapping", *["--json"] * (form == "json"))[1]
+    drafted = json.loads(text) if form == "json" else yaml.safe_load(text)
+    topics = ["/digit/D20001/image", "/digit/D20002/image"]
+    assert drafted["images"] == {"digit": {"topic": topics}}
+    (tmp_path / f"mapping.{form}").write_text(text, encoding="utf-8")
+    call = ("ingest", tmp_path, "--mapping", tmp_path / f"mapping.{form}", "--store", tmp_path / "s")
+    assert run_command(capsys, *call)[0] == 0
+    frames = Store.open(tmp_path / "s").frames(["camera", "sensor"])
+    assert set(frames["camera"].to_pylist()) == {"digit"}
+    assert set(frames["sensor"].to_pylist()) == {"D20001", "D20002"}
+
+
+def test_two_cameras_of_a_recording_stay_two(tmp_path, capsys):
+    """One recording with both topics has two cameras, whatever the other recordings have."""
+    both = ("/digit/D20001/image", "/digit/D20002/image")
+    recorded(tmp_path / "run1.mcap", "/lab/force", cameras=both)
+    recorded(tmp_path / "run2.mcap", "/lab/force", cameras=both[1:])
+    drafted = yaml.safe_load(run_command(capsys, "inspect", tmp_path, "--suggest-mapping")[1])
+    assert [entry["topic"] for entry in drafted["images"].values()] == list(both)
+    listing = {"format": "tactiledata-mapping/1", "images": {"digit": {"topic": list(both)}}}
+    (tmp_path / "mapping.yaml").write_text(yaml.safe_dump(listing), encoding="utf-8")
+    code, out, err = run_command(capsys, "inspect", tmp_path / "run1.mcap", "--mapping", tmp_path / "mapping.yaml")
+    assert code == 1
+    assert "one recording has all of them" in out + err
+
+
+def test_cameras_of_different_kinds_stay_two(tmp_path, capsys):
+    """A DIGIT and a GelSight are no one camera, though each recording has one of them."""
+    recorded(tmp_path / "run1.mcap", "/lab/force", cameras=("/digit/D20001/image",))
+    recorded(tmp_path / "run2.mcap", "/lab/force", cameras=("/gelsight/image",))
+    drafted = yaml.safe_load(run_command(capsys, "inspect", tmp_path, "--suggest-mapping")[1])
+    assert set(drafted["images"]) == {"digit", "gelsight"}
 
 
 def test_a_topic_of_two_types_is_told(tmp_path, capsys):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 from generators.collect import codes, read
 from generators.mcap_files import START, STEP, TOPICS, Tape, description, encoded, long_touch, numbers, picture
 from mcap.reader import make_reader
+from mcap.writer import IndexType
 
 from tactiledata.errors import BrokenLog
 from tactiledata.formats.mcap import chunks as chunk_module
@@ -260,12 +262,19 @@ def test_a_damaged_head_is_survived(recordings, tmp_path):
     assert "bad-magic" in codes(recording)
 
 
-def test_something_behind_the_end(recordings, tmp_path):
-    """Bytes behind the closing magic are said; what stands before them is read."""
-    content, _ = recordings["zstd"]
-    recording = outcome(tmp_path, content + b"more")
+@pytest.mark.parametrize("name", ["zstd", "unchunked"])
+@pytest.mark.parametrize("behind", [b"m", b"more", bytes(5000)])
+def test_something_behind_the_end(recordings, tmp_path, name, behind):
+    """Bytes behind the closing magic are counted, with their place; what stands before them is read in full."""
+    content, values = recordings[name]
+    recording = outcome(tmp_path, content + behind)
     assert len(rows(recording)) == COUNT
-    assert damage(recording)
+    assert_true(recording, values)
+    [finding] = damage(recording)
+    assert finding.code == "bytes-behind-end"
+    count = "1 byte follows" if len(behind) == 1 else f"{len(behind)} bytes follow"
+    assert f"{count} the end of the recording at byte {len(content)} " in finding.message
+    assert "not begin as an MCAP file does" in finding.message
 
 
 def test_conflicting_definitions(tmp_path):
@@ -297,11 +306,59 @@ def test_a_damaged_description_or_background_is_said(tmp_path):
     assert recording.description.is_empty
 
 
-def test_two_recordings_in_a_row_are_not_taken_for_one(recordings, tmp_path):
-    """Files glued together: the second one is not silently dropped."""
+@pytest.mark.parametrize("has_summary", [True, False])
+@pytest.mark.parametrize("is_harmed", [True, False])
+def test_two_recordings_in_a_row_are_not_taken_for_one(recordings, tmp_path, has_summary, is_harmed):
+    """Of joined files the first is read; the other is told, with the commands that take the two apart."""
     content, _ = recordings["zstd"]
-    recording = outcome(tmp_path, content + content)
-    assert damage(recording)
+    other = recordings["lz4"][0] if has_summary else without_summary(tmp_path)
+    offset, length = chunk_places(content)[70]
+    first = flipped(content, offset + length // 2) if is_harmed else content
+    path = tmp_path / "joined.mcap"
+    path.write_bytes(first + other)
+    [(recording, _)] = read(FORMAT, path)
+    told = {finding.code: finding for finding in damage(recording)}
+    assert set(told) == {"bytes-behind-end", *(["chunk-crc"] if is_harmed else [])}
+    assert len(rows(recording)) == COUNT - (told["chunk-crc"].count if is_harmed else 0)
+    message = told["bytes-behind-end"].message
+    assert f"{len(other)} bytes follow the end of the recording at byte {len(first)} " in message
+    [source] = FORMAT.sources(path)
+    assert message in [finding.message for finding in FORMAT.inspect(source).findings]
+    subprocess.run(message.partition("split them there: ")[2], shell=True, cwd=tmp_path, check=True)
+    assert (tmp_path / "joined-1.mcap").read_bytes() == first
+    assert (tmp_path / "joined-2.mcap").read_bytes() == other
+
+
+def without_summary(tmp_path):
+    """Content of a short recording that has no index at its end."""
+    options = {
+        "index_types": IndexType.NONE,
+        "repeat_channels": False,
+        "repeat_schemas": False,
+        "use_statistics": False,
+        "use_summary_offsets": False,
+    }
+    with Tape(tmp_path / "plain.mcap", **options) as tape:
+        tape.signal("wrench", START, START, [1, 2, 3, 4, 5, 6])
+    content = (tmp_path / "plain.mcap").read_bytes()
+    assert int.from_bytes(content[-28:-20], "little") == 0, "it has a summary"
+    return content
+
+
+def test_a_cut_file_is_to_be_copied_again(recordings, tmp_path):
+    """Wherever it was cut, the message says so once; a whole file without topics is to be recorded again."""
+    content, _ = recordings["zstd"]
+    [finding] = [one for one in outcome(tmp_path, content[:-100]).findings if one.code == "no-footer"]
+    assert finding.message.endswith("Copy it again from where it was recorded")
+    with pytest.raises(BrokenLog) as caught:
+        outcome(tmp_path, content[:60])
+    assert str(caught.value).count("Copy it again") == 1
+    assert caught.value.remedy == "Copy it again from where it was recorded."
+    with Tape(tmp_path / "none.mcap"):
+        pass
+    with pytest.raises(BrokenLog) as caught:
+        read(FORMAT, tmp_path / "none.mcap")
+    assert caught.value.remedy == "Record it again."
 
 
 def test_damage_is_found_by_inspect_too(recordings, tmp_path):

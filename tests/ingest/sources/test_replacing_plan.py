@@ -272,6 +272,7 @@ def test_a_report_as_json_values():
         "findings": [vars(finding)], "simulated_recordings": {"simulated": 0, "real": 0, "not_stated": 0},
         "sources": [{
             "key": "k", "state": "failed", "status": "damaged", "frames": 1, "trajectories": 2, "kind": "real",
+                "copy_of": "",
             "error": "broken", "findings": [vars(finding)],
         }],
     }  # fmt: skip
