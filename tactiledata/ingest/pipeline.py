@@ -159,8 +159,10 @@ class _Watch:
         self._tell()
 
     def _tell(self, key: str = "") -> None:
-        stored = f"{self._stored} stored so far"
-        self._progress(self._read, self._total, f"{key} read, {stored}" if key else stored)
+        parts = [f"{key} read"] if key else []
+        # nothing is said of a store before the first commit: a few sources are committed at the end, all at once
+        parts += [f"{self._stored} stored so far"] if self._stored else []
+        self._progress(self._read, self._total, ", ".join(parts))
 
 
 def _told(outcomes: Iterator[Outcome[_Task, _Read]], watch: _Watch) -> Iterator[Outcome[_Task, _Read]]:

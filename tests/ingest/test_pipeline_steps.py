@@ -69,7 +69,7 @@ def test_progress_is_told_of_every_source():
     for _ in pipeline._told(iter(outcomes), watch):
         watch.stored(len(told))
     assert told == [
-        (1, 2, "a read, 0 stored so far"),
+        (1, 2, "a read"),
         (1, 2, "1 stored so far"),
         (2, 2, "b read, 1 stored so far"),
         (2, 2, "4 stored so far"),
@@ -232,7 +232,7 @@ def test_pictures_become_a_store(tmp_path):
     log, store, told = picture_folder(tmp_path / "run"), tmp_path / "ds.zarr", []
     report = ingest([log], store, progress=lambda *said: told.append(said))
     assert [(one.state, one.frames) for one in report.sources] == [("added", 3)]
-    assert told == [(1, 1, "run read, 0 stored so far"), (1, 1, "1 stored so far")]
+    assert told == [(1, 1, "run read"), (1, 1, "1 stored so far")]
     assert (report.store, report.unclaimed, report.findings, report.stale_splits) == (str(store), (), (), ())
     assert [one.state for one in ingest([log], store).sources] == ["present"]
     assert [one.state for one in ingest([log], store, replace=True).sources] == ["present"]
