@@ -86,7 +86,8 @@ def test_progress_never_says_more_than_the_store_holds(tmp_path, monkeypatch):
     said = []
 
     def look(done, total, what):
-        stored = int(re.search(r"(\d+) stored", what)[1])
+        found = re.search(r"(\d+) stored", what)
+        stored = int(found[1]) if found else 0
         said.append(stored)
         assert stored == len(read_manifest(tmp_path / "ds.zarr")["sources"])
 
