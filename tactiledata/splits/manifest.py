@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from tactiledata.contract.arrow_memory import arrow_reader, read_parquet
 from tactiledata.contract.atomic import FULL, REFUSED, write_atomic
+from tactiledata.contract.paths import NAME_PATTERN
 from tactiledata.contract.provenance import bytes_digest, provenance
 from tactiledata.contract.schema import check_document
 from tactiledata.contract.sealed import SEAL, fits_seal, sealed_json
@@ -32,7 +33,7 @@ from tactiledata.errors import (
 )
 from tactiledata.splits.again import command
 from tactiledata.splits.assign import SPLIT_SCHEMA
-from tactiledata.splits.options import EXCLUDED, NAME_PATTERN, PARTITIONS, SplitOptions, check_name
+from tactiledata.splits.options import EXCLUDED, PARTITIONS, SplitOptions, check_name
 from tactiledata.splits.report import SplitReport
 from tactiledata.splits.select import FRAME_COLUMNS, taken_frames
 from tactiledata.store.layout.made_splits import remember_split

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from tactiledata.contract.paths import need_file_name
 from tactiledata.errors import UnknownName, UsageError
 from tactiledata.splits.groups import UNIT_KINDS
 
@@ -19,7 +20,6 @@ EXCLUDED = "excluded"
 """In no partition: a derived trajectory that carries a held-out unit while its parent does not."""
 FRACTION_TOLERANCE = 1e-6
 """How far the fractions' sum may be from 1: typed decimals, not a missing tenth."""
-NAME_PATTERN = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
 BY_WORDS = ("trajectory", *UNIT_KINDS)
 """What a split may go by."""
 FRAME_WORDS = {"frame", "frames", "image", "images", "row", "rows", "time"}
@@ -248,11 +248,4 @@ def check_name(name: str) -> str:
     UsageError
         Anything else: paths, spaces, dots (other files about a split carry its name and a dot).
     """
-    if not isinstance(name, str) or not NAME_PATTERN.fullmatch(name):
-        raise UsageError(
-            f"the split name {name!r} cannot be a file name",
-            "letters, digits, '_' and '-', at most 64, starting with a letter or digit",
-            "For example --name default.",
-            name=name,
-        )
-    return name
+    return need_file_name(name, "split", "default")
