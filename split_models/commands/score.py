@@ -10,7 +10,7 @@ import typer
 
 from split_models.commands.device_option import DEVICE, require_device
 from tactiledata.cli.explain import damage_explains
-from tactiledata.cli.given_values import listed_names
+from tactiledata.cli.given_values import listed_names, need_writable_folder
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say, table
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
 from tactiledata.contract.extras import need_packages
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 MODEL = typer.Option(None, "--model", help="Checkpoint of an image VAE, for t-SNE of its latent vectors.")
 WEIGHTS = typer.Option(None, "--weights", help="torchvision's VGG-19 weights [default: those in PyTorch's cache].")
+PICTURE = "tsne.png"
 OUT = typer.Option(Path("scores"), "--out", help="Folder for the picture of t-SNE.")
 
 
@@ -76,6 +77,8 @@ def score(
     with damage_explains(location):
         opened = Store.open(location)
         simulated = simulated_recordings(opened)
+        if TSNE in names:
+            need_writable_folder(out, PICTURE)
         scores = chosen_scores(names, weights, device)
         sets = sensor_sets(opened, most, least=1)
         named, targets = (None, []) if against is None else _against(listed_names(against, "--against"), sets, opened)
@@ -98,7 +101,7 @@ def score(
         heading = simulated.heading
         drawn = None
         if TSNE in names:
-            drawn = draw_embedding(embed_sets(opened, sets, encode), out / "tsne.png", kinds, heading)
+            drawn = draw_embedding(embed_sets(opened, sets, encode), out / PICTURE, kinds, heading)
     if as_json:
         picture = str(drawn) if drawn else None
         facts = {"tsne": picture, "notes": notes, "simulated_recordings": simulated.document()}

@@ -80,7 +80,7 @@ def diagnose(
     is_table = source is not None and (Path(source).suffix in TABLES or Path(source).is_file())
     _refuse(context, STORE_ONLY if is_table else TABLE_ONLY, "a table" if is_table else "a store")
     if out is not None:
-        need_writable_folder(out, "report.html")
+        need_writable_folder(out, "report.html", "diagnosis.json", "effects.json")
     if not 0 <= seed < SEEDS:
         raise UsageError(f"--seed {seed}", f"0 or more, below {SEEDS}", "Any of these numbers serves.")
     # diagnose

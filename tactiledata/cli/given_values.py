@@ -13,6 +13,7 @@ from typing import Any
 import typer
 from typer.core import TyperCommand
 
+from tactiledata.contract.own_files import refuse_foreign
 from tactiledata.errors import TactileDataError, UsageError
 
 OUTPUT = "out"
@@ -48,7 +49,7 @@ class CheckedCommand(TyperCommand):
             if parameter.name == OUTPUT and typed.get(OUTPUT) is not None:
                 _refuse_store(str(typed[OUTPUT]), max(parameter.opts, key=len))
             if parameter.name in WRITTEN and typed.get(parameter.name) is not None:
-                refuse_address(str(typed[parameter.name]), max(parameter.opts, key=len))
+                need_local_place(str(typed[parameter.name]), max(parameter.opts, key=len))
         if not (ctx.resilient_parsing or typed.get("help")):
             for parameter in self.params:
                 if parameter.required and typed.get(parameter.name) in (None, ()):
@@ -81,8 +82,10 @@ def _refuse_store(path: str, option: str) -> None:
         )
 
 
-def refuse_address(place: str, option: str) -> None:
-    """Refuse an address where something will be written: a folder of that name would come to be on this machine.
+def need_local_place(place: str, option: str) -> None:
+    """Refuse an address where something will be written, and a link that leads nowhere.
+
+    A folder with the name of the address would come to be on this machine.
 
     Parameters
     ----------
@@ -94,7 +97,7 @@ def refuse_address(place: str, option: str) -> None:
     Raises
     ------
     UsageError
-        It is an address, such as ``s3://bucket/x``, and no path.
+        It is an address, such as ``s3://bucket/x``, and no path; or it, or a folder around it, is a link to nothing.
     """
     if "://" in place or "::" in place:
         raise UsageError(
@@ -102,6 +105,19 @@ def refuse_address(place: str, option: str) -> None:
             "a path on this machine",
             "Write it here, then copy it there; a store is read from an address (docs/store.md).",
         )
+    _refuse_dangling(Path(place), f"{option} {place}")
+
+
+def _refuse_dangling(path: Path, named: str) -> None:
+    """Refuse a path that is a link to nothing, or that leads through one."""
+    for link in (path, *path.parents):
+        if link.is_symlink() and not link.exists():
+            behind = "" if link == path else f"behind {link}, "
+            raise UsageError(
+                f"{named} is {behind}a link that leads to {link.readlink()}, which is not there",
+                "a place that can be written to",
+                "Make what the link leads to, remove the link, or name another place.",
+            )
 
 
 def need_writable_folder(folder: Path, *files: str) -> None:
@@ -117,11 +133,14 @@ def need_writable_folder(folder: Path, *files: str) -> None:
     Raises
     ------
     UsageError
-        A file stands in the place of the folder or of its parents, or a folder in the place of a file.
+        A file stands in the place of the folder or of its parents, a folder in the place of a file, or a file of others
+        where one of ours will be.
     TactileDataError
         The folder, or the nearest that exists around it, may not be written to.
     """
     nearest = next(place for place in (folder, *folder.absolute().parents) if place.exists())
+    for name in files:
+        _refuse_dangling(folder / name, str(folder / name))
     in_the_way = [name for name in files if (folder / name).is_dir()]
     if not nearest.is_dir() or in_the_way:
         why = f"{in_the_way[0]} in it is a folder" if in_the_way else f"{nearest} is a file"
@@ -136,6 +155,8 @@ def need_writable_folder(folder: Path, *files: str) -> None:
             "a folder that may be written to",
             "Check your rights, or name another with --out.",
         )
+    for name in files:
+        refuse_foreign(folder / name)
 
 
 def _is_blank(text: Any) -> bool:

@@ -85,7 +85,6 @@ def replay(
             f"{SOFTEST:g} to {STIFFEST:g} Pa: a soft gel has 1e5 to 1e6",
             "State it in pascals: 0.9 MPa is 0.9e6, 900 kPa is 900e3.",
         )
-    need_writable_folder(out)
     if not 0 < gap_limit < 1e6:
         raise UsageError(f"--gap-limit {gap_limit}", "a number of seconds above 0")
     # material and effects: stated values win over the files
@@ -113,6 +112,7 @@ def replay(
         name=name,
         make_pad=_own_pad(pad, pad_unit),
     )
+    need_writable_folder(out, f"replay-{options.mesh_name}.html")
     # replay
     location = working_store(store)
     with damage_explains(location), progress("replaying", quiet=as_json) as report_progress:

@@ -53,9 +53,15 @@ def view(
     """
     from tactiledata.store.read.reader import Store
     from tactiledata.view.options import ViewOptions
-    from tactiledata.view.recording import write_view
+    from tactiledata.view.recording import SUFFIX, write_view
     from tactiledata.view.serve import has_display, need_display, need_port, open_viewer
 
+    if out.suffix != SUFFIX or out.is_dir():
+        raise UsageError(
+            f"--out {out}{' is a folder' if out.is_dir() else ''}",
+            f"a file name that ends in {SUFFIX}",
+            f"For example --out view{SUFFIX}.",
+        )
     need_writable_folder(out.parent, out.name)
     if web:
         need_port(port)
