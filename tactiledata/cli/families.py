@@ -60,7 +60,7 @@ def indenters(
     if picture is not None:
         if picture.suffix.lower() != ".png":
             raise UsageError(f"--picture {picture}", "a file name that ends in .png", "For example indenters.png.")
-        need_writable_folder(picture.parent, picture.name)
+        need_writable_folder(picture.parent, picture.name, option="--picture")
         need_packages("a picture", "matplotlib")
         from tactiledata.indenters.gallery import draw_gallery
 

@@ -7,17 +7,29 @@ from __future__ import annotations
 
 import errno
 import os
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from inspect import signature
 from pathlib import Path
 from typing import Any
 
 import typer
 from typer.core import TyperCommand
 
+from tactiledata.contract.near_path import near_path
 from tactiledata.contract.own_files import refuse_foreign
 from tactiledata.errors import TactileDataError, UsageError
 
 OUTPUT = "out"
 """Name of the parameter that says where a command writes what is no store; one that writes a store has another name."""
+
+STORES = ("store", "stores", "parents")
+"""Names of parameters that take the path or the address of a store."""
+INDENTERS = "the folder of the mesh files that recordings name"
+SEEDS = 2**32
+"""Number of seeds, from 0, that NumPy, scikit-learn and our own draws all accept."""
+NAMED = re.compile(r"(?:the gel's )?(?P<name>\w+)(?P<is> is)? (?P<value>.+)", re.DOTALL)
+"""What errors say of a value: a parameter's name, and the value."""
 
 WRITTEN = (OUTPUT, "into", "out_store")
 """Names of all parameters that say where a command writes: on this machine."""
@@ -41,10 +53,7 @@ class CheckedCommand(TyperCommand):
             value = typed.get(parameter.name)
             texts = value if isinstance(value, list | tuple) else [value]
             if parameter.default != "" and any(_is_blank(text) for text in texts):
-                name = max(parameter.opts, key=len)
-                raise UsageError(
-                    f"{name} is given a blank text", "a text that says something", f"Leave {name} out, or name a value."
-                )
+                self._refuse_blank(parameter)
         for parameter in self.params:
             if parameter.name == OUTPUT and typed.get(OUTPUT) is not None:
                 _refuse_store(str(typed[OUTPUT]), max(parameter.opts, key=len))
@@ -56,6 +65,21 @@ class CheckedCommand(TyperCommand):
                     _refuse_missing(parameter, ctx.command_path)
         return super().parse_args(ctx, args)
 
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command; where a value that was typed is refused, the error names its option as it was typed."""
+        try:
+            return super().invoke(ctx)
+        except UsageError as error:
+            error.found = _with_option(error.found, self.params, ctx.params)
+            raise
+
+    def _refuse_blank(self, parameter: Any) -> None:
+        name = max(parameter.opts, key=len)
+        kind = str(signature(self.callback).parameters[parameter.name].annotation) if self.callback else ""
+        is_path = "Path" in kind or parameter.name in STORES
+        place = f"after {name}" if name.startswith("-") else f"in the place of {name}"
+        raise UsageError(f"{name} is empty", "a path" if is_path else "a text", f"Write one {place}.")
+
 
 class CheckedApp(typer.Typer):
     """An application whose commands, also those that other packages add, are `CheckedCommand`."""
@@ -63,6 +87,100 @@ class CheckedApp(typer.Typer):
     def command(self, *words: Any, **options: Any) -> Any:
         """A decorator that adds a command; as in typer, with another class by default."""
         return super().command(*words, **{"cls": CheckedCommand, **options})
+
+
+def _with_option(found: str, parameters: Sequence[Any], given: Mapping[str, Any]) -> str:
+    """Return what was found with an option in the place of the parameter's name, where its value stands behind that."""
+    said = NAMED.match(found)
+    parameter = next((one for one in parameters if said and one.name == said["name"] and one.opts[0][0] == "-"), None)
+    if said is None or parameter is None or (value := given.get(parameter.name)) is None:
+        return found
+    typed = {str(value), *([f"{value:g}"] if isinstance(value, float) else ())}
+    is_that = said["value"].strip("'").startswith(tuple(typed))
+    return f"{max(parameter.opts, key=len)}{said['is'] or ''} {said['value']}" if is_that else found
+
+
+def is_given(context: typer.Context, name: str) -> bool:
+    """Whether an option was typed.
+
+    Parameters
+    ----------
+    context : typer.Context
+        Of the command.
+    name : str
+        The parameter's name, with underscores.
+    """
+    source = context.get_parameter_source(name)
+    return source is not None and source.name == "COMMANDLINE"
+
+
+def refuse_given(context: typer.Context, names: Iterable[str], found: str, expected: str) -> None:
+    """Refuse options that were typed and would change nothing.
+
+    Parameters
+    ----------
+    context : typer.Context
+        Of the command.
+    names : iterable of str
+        The parameters' names, with underscores.
+    found : str
+        What is against them, such as ``"without --web"``.
+    expected : str
+        What they need, such as ``"with --web"``.
+
+    Raises
+    ------
+    UsageError
+        One of them was typed.
+    """
+    options = {parameter.name: parameter.opts[0] for parameter in context.command.params}
+    for name in names:
+        if is_given(context, name):
+            raise UsageError(
+                f"{options[name]} {found}",
+                f"{options[name]} {expected}",
+                "Leave the option out: it would change nothing.",
+            )
+
+
+def need_seed(seed: int, below: int = SEEDS) -> None:
+    """Refuse a seed that a generator of random numbers does not take.
+
+    Parameters
+    ----------
+    seed : int
+        Value of ``--seed``.
+    below : int
+        Number of seeds, from 0.
+
+    Raises
+    ------
+    UsageError
+        It is none of them.
+    """
+    if not 0 <= seed < below:
+        raise UsageError(f"--seed {seed}", f"0 or more, below {below}", "Any of these numbers serves.")
+
+
+def need_folder(path: Path | None, option: str, what: str) -> Path | None:
+    """The folder that an option names; ``None`` where it was not typed.
+
+    Parameters
+    ----------
+    path : Path, optional
+    option : str
+        As it is typed.
+    what : str
+        What the folder is, for the message.
+
+    Raises
+    ------
+    UsageError
+        There is no folder.
+    """
+    if path is not None and not path.is_dir():
+        raise UsageError(f"{option} {path} is no folder", what, near_path(path))
+    return path
 
 
 def _refuse_missing(parameter: Any, command: str) -> None:
@@ -120,7 +238,7 @@ def _refuse_dangling(path: Path, named: str) -> None:
             )
 
 
-def need_writable_folder(folder: Path, *files: str) -> None:
+def need_writable_folder(folder: Path, *files: str, option: str = "--out") -> None:
     """Refuse a folder for results that cannot be written to, before any work is done.
 
     Parameters
@@ -129,6 +247,8 @@ def need_writable_folder(folder: Path, *files: str) -> None:
         The folder; it need not exist.
     *files : str
         Names of files that will be written there.
+    option : str
+        The option that names the folder, for the message.
 
     Raises
     ------
@@ -147,13 +267,13 @@ def need_writable_folder(folder: Path, *files: str) -> None:
         raise UsageError(
             f"the folder {folder} cannot be written to: {why}",
             "a folder, or a place for one",
-            "Name another with --out.",
+            f"Name another with {option}.",
         )
     if not os.access(nearest, os.W_OK | os.X_OK):
         raise TactileDataError(
             f"the folder {folder} cannot be written to: {os.strerror(errno.EACCES)} ({nearest})",
             "a folder that may be written to",
-            "Check your rights, or name another with --out.",
+            f"Check your rights, or name another with {option}.",
         )
     for name in files:
         refuse_foreign(folder / name)

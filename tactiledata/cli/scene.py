@@ -7,7 +7,7 @@ from pathlib import Path
 import typer
 
 from tactiledata.cli.explain import damage_explains
-from tactiledata.cli.given_values import need_writable_folder
+from tactiledata.cli.given_values import INDENTERS, need_folder, need_writable_folder
 from tactiledata.cli.output import JSON_OPTION, emit, say
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
 from tactiledata.contract.atomic import write_atomic
@@ -45,7 +45,7 @@ def scene(
     need_writable_folder(out.parent, out.name)
     location = working_store(store)
     with damage_explains(location):
-        shown = frame_scene(Store.open(location), trajectory, frame, indenters)
+        shown = frame_scene(Store.open(location), trajectory, frame, need_folder(indenters, "--indenters", INDENTERS))
     write_atomic(out, shown.scene.mjcf.encode() if kind == ".xml" else _png(shown.scene.picture()))
     facts = shown.facts()
     if as_json:

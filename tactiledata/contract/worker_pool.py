@@ -15,7 +15,7 @@ from multiprocessing.managers import SyncManager
 from queue import Queue
 from typing import Any
 
-from tactiledata.errors import TactileDataError
+from tactiledata.errors import TactileDataError, UsageError
 
 ORPHANED = 1
 """Exit status of a worker whose parent is gone."""
@@ -119,6 +119,18 @@ def shared_queue() -> Iterator[Queue[Any]]:
         manager.start(_end_with_parent, (watched,))
         with manager:
             yield manager.Queue()
+
+
+def need_workers(workers: int) -> None:
+    """Refuse a number of processes that does no work.
+
+    Raises
+    ------
+    UsageError
+        There are fewer than one.
+    """
+    if workers < 1:
+        raise UsageError(f"{workers} workers", "at least 1", "Leave --workers out to run in one process.")
 
 
 def worker_died(task: object) -> TactileDataError:
