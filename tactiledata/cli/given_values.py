@@ -16,6 +16,7 @@ from typing import Any
 import typer
 from typer.core import TyperCommand
 
+from tactiledata.contract.atomic import refusal
 from tactiledata.contract.near_path import near_path
 from tactiledata.contract.own_files import refuse_foreign
 from tactiledata.errors import TactileDataError, UsageError
@@ -270,11 +271,8 @@ def need_writable_folder(folder: Path, *files: str, option: str = "--out") -> No
             f"Name another with {option}.",
         )
     if not os.access(nearest, os.W_OK | os.X_OK):
-        raise TactileDataError(
-            f"the folder {folder} cannot be written to: {os.strerror(errno.EACCES)} ({nearest})",
-            "a folder that may be written to",
-            f"Check your rights, or name another with {option}.",
-        )
+        number = errno.EROFS if os.statvfs(nearest).f_flag & os.ST_RDONLY else errno.EACCES
+        raise TactileDataError(*refusal(OSError(number, os.strerror(number)), nearest))
     for name in files:
         refuse_foreign(folder / name)
 

@@ -95,7 +95,7 @@ def view(
         say(f"look: rerun {quote(str(out))}, or the same command with --web")
 
 
-def _serve(path: Path, port: int, in_browser: bool) -> None:
+def _serve(path: Path, port: int, in_browser: bool = True) -> None:
     """Serve the viewer until Ctrl-C; open the browser where it is wanted and there is one."""
     from threading import Event
     from urllib.parse import urlsplit

@@ -11,7 +11,7 @@ from pathlib import Path
 from queue import Empty, Queue
 from typing import Literal
 
-from tactiledata.contract.atomic import FULL, REFUSED
+from tactiledata.contract.atomic import FULL, REFUSED, refusal
 from tactiledata.contract.progress import Progress
 from tactiledata.contract.worker_pool import need_workers, shared_queue, worker_died, worker_pool
 from tactiledata.errors import SchemaError, TactileDataError, UnknownName, UsageError
@@ -88,10 +88,11 @@ def record(
         if isinstance(error, TactileDataError):
             raise
         kind = TactileDataError if error.errno in (*FULL, *REFUSED) else UsageError
+        found, expected, remedy = refusal(error, error.filename or out)
         raise kind(
-            f"{error.filename or out} cannot be written: {error.strerror}",
-            "a folder to write to, with room in it and names that its file system takes",
-            "Make room, or name another folder with --out. Logs that are already there are whole.",
+            found,
+            expected if kind is TactileDataError else "a folder to write to, and names that its file system takes",
+            f"{remedy} Logs that are already there are whole.",
             written=[str(path) for path in written],
         ) from error
     return written

@@ -16,7 +16,7 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from tactiledata.contract.arrow_memory import arrow_reader, read_parquet
-from tactiledata.contract.atomic import FULL, REFUSED, write_atomic
+from tactiledata.contract.atomic import REFUSED, refusal, write_atomic
 from tactiledata.contract.paths import NAME_PATTERN
 from tactiledata.contract.provenance import bytes_digest, provenance
 from tactiledata.contract.schema import check_document
@@ -140,21 +140,10 @@ def write_split(path: Path, report: SplitReport, table: pa.Table, store: Mapping
 
 
 def _not_written(path: Path, error: OSError) -> StoreError:
+    found, expected, remedy = refusal(error, path.parent)
     if error.errno in REFUSED:
-        return StoreError(
-            f"the split cannot be written: the folder {path.parent} is not writable ({error.strerror})",
-            "a folder that can be written to",
-            "Copy the store to a place of yours, or ask its owner.",
-            path=str(path),
-        )
-    is_full = error.errno in FULL
-    what = "Free some space" if is_full else "Check the disk"
-    return StoreError(
-        f"the split could not be written to {path.parent}: {error.strerror or error}",
-        "a disk with free space" if is_full else "a disk that works",
-        f"{what} and run the command again; the store itself is unharmed.",
-        path=str(path),
-    )
+        remedy = "Copy the store to a place of yours, or ask its owner."
+    return StoreError(found, expected, f"{remedy} The store itself is unharmed.", path=str(path))
 
 
 def read_split_document(store: Store, name: str) -> dict[str, Any] | None:

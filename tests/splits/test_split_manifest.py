@@ -270,7 +270,10 @@ def test_a_store_far_away_is_not_split(store):
 
 @pytest.mark.parametrize(
     ("error", "words"),
-    [(OSError(28, "No space left on device"), "No space left on device; expected"), (OSError("odd"), "odd; expected")],
+    [
+        (OSError(28, "No space left on device"), "No space left on device; expected"),
+        (OSError("odd"), "odd; expected"),
+    ],
 )
 def test_a_folder_that_refuses_is_said(store, monkeypatch, error, words):
     """A full disk ends in an error that names the folder, and leaves no half file."""
@@ -279,17 +282,17 @@ def test_a_folder_that_refuses_is_said(store, monkeypatch, error, words):
         raise error
 
     monkeypatch.setattr("tactiledata.splits.manifest.write_atomic", refuse)
-    with pytest.raises(StoreError, match=f"splits: {words}"):
+    with pytest.raises(StoreError, match=f"splits cannot be written: {words}"):
         make_split(store)
 
 
 @pytest.mark.parametrize(
     ("number", "words", "never"),
     [
-        (errno.EROFS, "not writable.*Copy the store", "space"),
-        (errno.EACCES, "not writable.*Copy the store", "space"),
-        (errno.EDQUOT, "Free some space", "writable"),
-        (errno.EIO, "Check the disk", "space"),
+        (errno.EROFS, "Read-only file system.*Copy the store", "room"),
+        (errno.EACCES, "Permission denied.*Copy the store", "room"),
+        (errno.EDQUOT, "Make room there", "Copy the store"),
+        (errno.EIO, "Check the disk", "room"),
     ],
 )
 def test_the_remedy_fits_what_the_system_said(store, monkeypatch, number, words, never):
