@@ -12,7 +12,9 @@ from tactiledata.errors import UnknownName, UsageError
 from tactiledata.metrics import METRICS
 from tactiledata.metrics.base import Score
 
-OF_SETS = ("image sets", "latent sets")
+VECTORS = "latent sets"
+"""Kind of metrics that compare sets of latent vectors."""
+OF_SETS = ("image sets", VECTORS)
 """Kinds of metrics that compare two sets."""
 STYLE = "gram_style"
 """Name by which a person asks for a style distance."""

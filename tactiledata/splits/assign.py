@@ -75,6 +75,23 @@ def part_of(draws: NDArray[np.float64], fractions: Sequence[float]) -> NDArray[n
     return np.asarray(taken)[np.searchsorted(edges, draws, side="right")]
 
 
+def need_units(trajectories: pa.Table, options: SplitOptions) -> None:
+    """Refuse to hold out by name what the store does not hold.
+
+    Raises
+    ------
+    UnknownName
+        A unit was named that the store does not hold.
+    """
+    if isinstance(options.hold_out, str):
+        return
+    for kind, names in options.hold_out.items():
+        known = {name for name in trajectories[kind].to_pylist() if name}
+        for name in names:
+            if name not in known:
+                raise UnknownName(kind, name, known, "Only units of this store can be held out.")
+
+
 def choose_held_out(trajectories: pa.Table, options: SplitOptions) -> tuple[dict[str, tuple[str, ...]], list[str]]:
     """Units that are held out, by kind, and in words why.
 
@@ -86,11 +103,7 @@ def choose_held_out(trajectories: pa.Table, options: SplitOptions) -> tuple[dict
     if options.hold_out == "none":
         return {}, []
     if not isinstance(options.hold_out, str):
-        for kind, names in options.hold_out.items():
-            known = {name for name in trajectories[kind].to_pylist() if name}
-            for name in names:
-                if name not in known:
-                    raise UnknownName(kind, name, known, "Only units of this store can be held out.")
+        need_units(trajectories, options)
         return {kind: tuple(sorted(names)) for kind, names in options.hold_out.items()}, []
     held: dict[str, tuple[str, ...]] = {}
     notes: list[str] = []

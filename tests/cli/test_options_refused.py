@@ -126,6 +126,36 @@ def a_mesh_of_a_store_without_any(bench):
     return ["view", bench.store, "--mesh", "none"]
 
 
+@case(2, "--out without tsne")
+def a_place_for_no_picture(bench):
+    return ["score", bench.store, "--metric", "histogram_intersection", "--out", "scores"]
+
+
+@case(2, "--weights without gram_style")
+def weights_of_no_distance(bench):
+    return ["score", bench.store, "--metric", "histogram_intersection", "--weights", "vgg.pth"]
+
+
+@case(2, "--model without a score of vectors")
+def a_model_of_no_vectors(bench):
+    return ["score", bench.store, "--metric", "histogram_intersection", "--model", "vae.pt"]
+
+
+@case(2, "--frames 1; expected 2 or more")
+def one_vector_of_each_sensor(bench):
+    return ["score", bench.store, "--metric", "tsne", "--frames", "1"]
+
+
+@case(2, "cannot be written to: run.mcap is a file")
+def a_picture_below_a_file(bench):
+    return ["score", bench.store, "--metric", "tsne", "--out", bench.mcap.name]
+
+
+@case(2, "background-swap, ", "Did you mean latent-relit?")
+def a_method_with_a_slip(bench):
+    return ["transfer", bench.store, "--to", "ycb-sensorA", "--method", "latent-relight"]
+
+
 @case(2, "--hold-out 1.5; expected a share")
 def a_share_beyond_one(bench):
     return ["calibrate", bench.store, "--hold-out", "1.5"]
