@@ -197,7 +197,7 @@ def _refuse_store(path: str, option: str) -> None:
         raise UsageError(
             f"{option} {path!r} lies in the store {store}",
             "a place outside any store",
-            "Name another place: what is no part of a store would be damage in it.",
+            "Name a place outside: a file that is no part of a store counts as damage.",
         )
 
 

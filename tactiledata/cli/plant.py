@@ -72,7 +72,11 @@ def _plant(location: str, effect: str, size: float | None, into: Path, as_json: 
     planting = kept_planting(into)
     if planting is None:
         if into.exists():
-            raise UsageError(f"{into} exists, and has no seal", "a place for a new store", "Name another folder.")
+            raise UsageError(
+                f"--into {into} exists, and `tactiledata plant` did not write it",
+                "a place for a new store",
+                "Name another folder.",
+            )
         planting = drawn_planting(effect, size)
         write_label(into, planting)
     elif effect not in ("any", planting.effect) or size not in (None, planting.size):

@@ -177,9 +177,9 @@ def assign(
     partition[_apart_from_their_moment(uids, groups, partition)] = EXCLUDED
     if len(partition) and not np.isin(partition, SHARES).any():
         raise UsageError(
-            f"all {len(partition)} trajectories carry a held-out unit ({describe_held(held_out)})",
+            f"every one of {len(partition)} trajectories is held out ({describe_held(held_out)})",
             "trajectories that are left to train on",
-            "Hold fewer units out.",
+            "Hold out fewer sensors or indenters: --hold-out.",
         )
     if flagged:
         partition[pc.is_in(trajectories["uid"], value_set=pa.array(list(flagged), pa.string())).to_numpy()] = EXCLUDED

@@ -137,7 +137,9 @@ def _local_path(store: Store, name: str) -> Path:
     path = str(store.split_path(name))
     if "://" in path and not path.startswith("file://"):
         raise UsageError(
-            f"the store {store.location} is not on a local disk", "a local store", "Split it where it lies on a disk."
+            f"the store {store.location} is not on a local disk",
+            "a local store",
+            "Split it on the machine that holds it.",
         )
     return Path(path.removeprefix("file://"))
 

@@ -250,7 +250,7 @@ def load_split(store: Store, name: str) -> Split:
             f"split {name!r} of {store.location} is out of date: {problem}",
             "a split that knows every trajectory",
             f"Run `{command(store.location, name, split.document['options'])}` again. "
-            "Nobody who has a part is moved by that.",
+            "No trajectory that has a part gets another one.",
             name=name,
         )
     return split

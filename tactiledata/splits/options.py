@@ -153,7 +153,7 @@ def read_hold_out(value: HoldOut | str | None) -> HoldOut:
         pairs = _typed_pairs(str(value))
     if not pairs:
         raise UsageError(
-            f"hold-out {value!r} names no unit",
+            f"--hold-out {value!r} names no unit",
             "auto, none, or for example sensor=D20542,indenter=star",
             "Use --hold-out none to hold nobody out.",
         )
@@ -168,7 +168,7 @@ def read_hold_out(value: HoldOut | str | None) -> HoldOut:
 def _names(kind: str, names: Sequence[str]) -> list[str]:
     listed = [names] if isinstance(names, str) else list(names)
     if any(not isinstance(name, str) or not name for name in listed):
-        raise UsageError(f"hold-out of {kind} names {listed!r}", "names that are not empty")
+        raise UsageError(f"--hold-out of {kind} names {listed!r}", "names that are not empty")
     return listed
 
 
@@ -180,7 +180,7 @@ def _typed_pairs(text: str) -> list[tuple[str, str]]:
         kind, name = (head.strip(), tail.strip()) if has_kind else (kind, item.strip())
         if not kind or not name:
             raise UsageError(
-                f"hold-out {text!r} has the item {item.strip()!r}",
+                f"--hold-out {text!r} has the item {item.strip()!r}",
                 "auto, none, or for example sensor=D20542,indenter=star",
                 "Name the kind and the unit: sensor=…, indenter=….",
             )

@@ -117,7 +117,7 @@ def test_who_is_parted_anew_is_counted_and_named(store, count):
 def test_other_options_need_another_name_or_replace(store):
     """A split is not silently made anew with other options."""
     make_split(store, seed=0)
-    with pytest.raises(UsageError, match="seed: 0 there, 1 here"):
+    with pytest.raises(UsageError, match="--seed 0 there, --seed 1 here"):
         make_split(store, seed=1)
     make_split(store, seed=1, name="other")
     make_split(store, seed=1, replace=True)
@@ -215,7 +215,7 @@ def test_missing_splits_say_how_to_make_one(store):
         ({"hold_out": {"sensor": [""]}}, "not empty"),
         ({"hold_out": "robot=ur5e"}, "'robot'"),
         ({"hold_out": "sensor=Q"}, "'Q'"),
-        ({"hold_out": "sensor=A,B,C,D,E"}, "all 100 trajectories carry"),
+        ({"hold_out": "sensor=A,B,C,D,E"}, "every one of 100 trajectories is held out"),
         ({"name": "../evil"}, "cannot be a file name"),
         ({"name": "a/b"}, "cannot be a file name"),
         ({"name": ""}, "cannot be a file name"),
