@@ -156,6 +156,26 @@ def a_method_with_a_slip(bench):
     return ["transfer", bench.store, "--to", "ycb-sensorA", "--method", "latent-relight"]
 
 
+@case(2, "--model without add")
+def a_model_of_no_sensor(bench):
+    return ["sensors", bench.store, "--model", "digit"]
+
+
+@case(2, "--replace with remove")
+def a_sensor_that_goes_and_is_replaced(bench):
+    return ["sensors", "remove", "D1", "--replace", "--store", bench.store]
+
+
+@case(2, "--store beside the store")
+def two_stores_of_sensors(bench):
+    return ["sensors", bench.store, "--store", bench.store]
+
+
+@case(0, "D20001")
+def sensors_of_a_store_that_an_option_names(bench):
+    return ["sensors", "--store", bench.store]
+
+
 @case(2, "--hold-out 1.5; expected a share")
 def a_share_beyond_one(bench):
     return ["calibrate", bench.store, "--hold-out", "1.5"]
