@@ -64,9 +64,8 @@ def score(
     """
     need_packages("a score", "torch")
     from split_models.transfer.latent_vectors import picture_vectors, vectors_by_model
-    from tactiledata.metrics import METRICS
     from tactiledata.scoring.background_targets import score_backgrounds, sentences, unlocated
-    from tactiledata.scoring.chosen_scores import KEPT, STYLE, TSNE, VECTORS, chosen_scores
+    from tactiledata.scoring.chosen_scores import KEPT, STYLE, TSNE, chosen_scores, needs_vectors
     from tactiledata.scoring.embedding_picture import draw_embedding, embed_sets
     from tactiledata.scoring.kept_touches import kept_scores
     from tactiledata.scoring.sensor_pairs import score_pairs
@@ -88,7 +87,7 @@ def score(
         opened = Store.open(location)
         simulated = simulated_recordings(opened)
         scores = chosen_scores(names, weights, device)
-        if TSNE in names or any(METRICS[one].takes == VECTORS for one, _ in scores):
+        if needs_vectors(names, scores):
             if most < LEAST_VECTORS:
                 raise UsageError(f"--frames {most}", f"{LEAST_VECTORS} or more, for scores of vectors")
         else:

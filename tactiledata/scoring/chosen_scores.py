@@ -64,6 +64,19 @@ def chosen_scores(names: Sequence[str], weights: Path | None = None, device: str
     return list(chosen.values())
 
 
+def needs_vectors(names: Sequence[str], scores: Sequence[tuple[str, Score]]) -> bool:
+    """Whether latent vectors have a part: for the picture of them, or for a score.
+
+    Parameters
+    ----------
+    names : list of str
+        As `chosen_scores` takes them.
+    scores : list of (str, Score)
+        As `chosen_scores` returns them.
+    """
+    return TSNE in names or any(METRICS[metric].takes == VECTORS for metric, _ in scores)
+
+
 def _named(name: str, able: dict[str, Any], weights: Path | None, device: str) -> list[tuple[str, Score]]:
     """Return the scores that one name stands for, each with the name of its metric.
 
