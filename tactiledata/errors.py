@@ -106,11 +106,10 @@ class UnknownName(UsageError, KeyError):
         choices = sorted(set(known))
         near = near_names(name, choices)
         shown = choices if len(choices) <= MOST_LISTED else [*choices[:FEW_LISTED], f"… ({len(choices)} in all)"]
-        listed = ", ".join(shown) if shown else "none"
         hint = f"Did you mean {' or '.join(near)}?" if near else unless_near
         super().__init__(
-            f"unknown {kind} {name!r}",
-            f"one of: {listed}",
+            f"unknown {kind} {name!r}" if shown else f"unknown {kind} {name!r}: there is no {kind}",
+            f"one of: {', '.join(shown)}" if shown else "",
             " ".join(part for part in (hint, remedy) if part),
             kind=kind,
             name=name,

@@ -86,7 +86,8 @@ def test_an_unknown_name_lists_near_ones():
     assert "Did you mean sphere?" in str(error)
     assert "cone, sphere, torus" in str(error)
     assert error.facts["near"] == ["sphere"]
-    assert "none" in str(UnknownName("split", "x", []))
+    none = UnknownName("split", "x", [], "`tactiledata split` makes a split.")
+    assert str(none) == "unknown split 'x': there is no split. `tactiledata split` makes a split."
     assert "one of: S1, S2." in str(UnknownName("sensor", "nope", ["S2", "S1", "S1"]))
 
 

@@ -10,11 +10,11 @@ import typer
 
 from split_models.commands.device_option import DEVICE, require_device
 from tactiledata.cli.explain import damage_explains
-from tactiledata.cli.given_values import listed_names
+from tactiledata.cli.given_values import listed_names, need_writable_folder, refuse_given
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say, table
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
 from tactiledata.contract.extras import need_packages
-from tactiledata.errors import UnknownName
+from tactiledata.errors import UnknownName, UsageError
 
 if TYPE_CHECKING:
     from tactiledata.metrics.base import Score
@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 
 MODEL = typer.Option(None, "--model", help="Checkpoint of an image VAE, for t-SNE of its latent vectors.")
 WEIGHTS = typer.Option(None, "--weights", help="torchvision's VGG-19 weights [default: those in PyTorch's cache].")
+PICTURE = "tsne.png"
+LEAST_VECTORS = 2
+"""Fewest frames of a sensor whose vectors can be compared."""
 OUT = typer.Option(Path("scores"), "--out", help="Folder for the picture of t-SNE.")
 
 
@@ -34,6 +37,7 @@ def register(app: typer.Typer) -> None:
 
 
 def score(
+    context: typer.Context,
     store: str = STORE_ARGUMENT,
     metric: str = typer.Option(
         ..., "--metric", help="Comma-separated metrics: histogram_intersection, gram_style, tsne, kept_touch, …"
@@ -61,7 +65,7 @@ def score(
     need_packages("a score", "torch")
     from split_models.transfer.latent_vectors import picture_vectors, vectors_by_model
     from tactiledata.scoring.background_targets import score_backgrounds, sentences, unlocated
-    from tactiledata.scoring.chosen_scores import KEPT, TSNE, chosen_scores
+    from tactiledata.scoring.chosen_scores import KEPT, STYLE, TSNE, chosen_scores, needs_vectors
     from tactiledata.scoring.embedding_picture import draw_embedding, embed_sets
     from tactiledata.scoring.kept_touches import kept_scores
     from tactiledata.scoring.sensor_pairs import score_pairs
@@ -73,10 +77,21 @@ def score(
     location = working_store(store)
     require_device(device)
     names = listed_names(metric, "--metric")
+    if TSNE in names:
+        need_writable_folder(out, PICTURE)
+    else:
+        refuse_given(context, ["out"], "without tsne in --metric", "with tsne")
+    if STYLE not in names:
+        refuse_given(context, ["weights"], f"without {STYLE} in --metric", f"with {STYLE}")
     with damage_explains(location):
         opened = Store.open(location)
         simulated = simulated_recordings(opened)
         scores = chosen_scores(names, weights, device)
+        if needs_vectors(names, scores):
+            if most < LEAST_VECTORS:
+                raise UsageError(f"--frames {most}", f"{LEAST_VECTORS} or more, for scores of vectors")
+        else:
+            refuse_given(context, ["model"], "without a score of vectors in --metric", "with one, such as tsne")
         sets = sensor_sets(opened, most, least=1)
         named, targets = (None, []) if against is None else _against(listed_names(against, "--against"), sets, opened)
         if not targets and scores:
@@ -98,7 +113,7 @@ def score(
         heading = simulated.heading
         drawn = None
         if TSNE in names:
-            drawn = draw_embedding(embed_sets(opened, sets, encode), out / "tsne.png", kinds, heading)
+            drawn = draw_embedding(embed_sets(opened, sets, encode), out / PICTURE, kinds, heading)
     if as_json:
         picture = str(drawn) if drawn else None
         facts = {"tsne": picture, "notes": notes, "simulated_recordings": simulated.document()}

@@ -13,7 +13,7 @@ from split_models.commands.device_option import DEVICE, require_device
 from split_models.transfer.methods import LATENT
 from split_models.transfer.pixels import PIXEL_TRANSFERS
 from tactiledata.cli.explain import damage_explains
-from tactiledata.cli.given_values import listed_names
+from tactiledata.cli.given_values import listed_names, need_writable_folder
 from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say
 from tactiledata.cli.task_options import SCHEDULER, WORKERS
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
@@ -85,6 +85,8 @@ def transfer(
         choice = choose_method(method, model, samples, device)
         way = choice.method
         written = out_store if out_store is not None else _default_out(location, to, way.name)
+        pictured = written.with_suffix(".png")
+        need_writable_folder(written.parent, pictured.name)
         refuse_unfit(opened, target, way, written, named)
         kept = kept_by(way, samples, target.background)
         measured = documents(choice.drawn, kept)
@@ -94,7 +96,7 @@ def transfer(
             )
         lost = list(touch_findings(kept, way.name.replace("_", "-"), target.name))
         report = replace(report, findings=(*report.findings, *lost))
-        picture = write_transfer_picture(opened, Store.open(written), target, way.name, written.with_suffix(".png"))
+        picture = write_transfer_picture(opened, Store.open(written), target, way.name, pictured)
     if as_json:
         hashes = {"model": getattr(way, "model", ""), "recipe": getattr(way, "recipe", "")}
         simulated = {"simulated_recordings": simulated_recordings(opened).document()}

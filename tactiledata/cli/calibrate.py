@@ -8,7 +8,7 @@ from typing import Any
 import typer
 
 from tactiledata.cli.explain import damage_explains
-from tactiledata.cli.given_values import listed_names, need_writable_folder
+from tactiledata.cli.given_values import INDENTERS, listed_names, need_folder, need_seed, need_writable_folder
 from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say, table
 from tactiledata.cli.task_options import SCHEDULER, SIMULATION_WORKERS, workers_of
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
@@ -79,6 +79,7 @@ def calibrate(
             f"--out {out}", "a file name that ends in .json", "The page beside that file has the ending .html."
         )
     need_writable_folder(out.parent, out.name, out.with_suffix(".html").name)
+    need_seed(seed)
     # fit
     options = CalibrationOptions(
         loss=loss,  # type: ignore[arg-type]
@@ -95,7 +96,7 @@ def calibrate(
         indenters=() if indenter is None else tuple(listed_names(indenter, "--indenter")),
         workers=workers_of(workers, scheduler),
         scheduler=scheduler,
-        indenter_folder=indenters,
+        indenter_folder=need_folder(indenters, "--indenters", INDENTERS),
     )
     location = working_store(store)
     with damage_explains(location), progress("trying nu and mu", quiet=as_json) as report_progress:

@@ -15,6 +15,7 @@ from tactiledata.cli.documents import wrong_document_is_wrong_usage
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say
 from tactiledata.contract.extras import GEL, PAGE, missing_package, need_packages
 from tactiledata.contract.wording import counted
+from tactiledata.contract.worker_pool import need_workers
 from tactiledata.errors import UsageError
 
 MARKER = ".tactiledata-demo"
@@ -63,6 +64,7 @@ def demo(
     # 1 and 2: recordings, and a store of them
     with wrong_document_is_wrong_usage():
         scenario = load_scenario(find_scenario(world))
+    need_workers(workers)
     _empty_folder(out)
     report_step("1. Record: a UR5e presses DIGIT sensors on indenters, simulated recordings as ROS 2 MCAP")
     report_step("   Touches, forces and pictures are simulated, with known truth; backgrounds of pictures are real")

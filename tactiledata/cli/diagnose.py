@@ -9,12 +9,18 @@ from typing import Any
 import typer
 
 from tactiledata.cli.documents import calibration_document, wrong_document_is_wrong_usage
-from tactiledata.cli.given_values import listed_names, need_writable_folder
+from tactiledata.cli.given_values import (
+    INDENTERS,
+    listed_names,
+    need_folder,
+    need_seed,
+    need_writable_folder,
+    refuse_given,
+)
 from tactiledata.cli.output import JSON_OPTION, emit, err, plain, progress, say
 from tactiledata.cli.task_options import scheduler_option, workers_of, workers_option
 from tactiledata.cli.working_store import working_store
 from tactiledata.contract.extras import GEL, PAGE, need_packages
-from tactiledata.errors import UsageError
 
 TABLES = (".csv", ".tsv", ".parquet")
 """Endings of files that are read as tables."""
@@ -25,8 +31,6 @@ STORE_ONLY = (
     "scheduler", "calibration",
 )  # fmt: skip
 """Options that have a meaning for stores only."""
-SEEDS = 2**32
-"""Number of seeds, from 0, that NumPy, scikit-learn and our own draws all accept."""
 STEPS = 30
 """Rough number of steps after the simulations, for the bar of progress."""
 
@@ -82,11 +86,11 @@ def diagnose(
     # refuse wrong usage before any work
     need_packages("a diagnosis", "sklearn", *PAGE)
     is_table = source is not None and (Path(source).suffix in TABLES or Path(source).is_file())
-    _refuse(context, STORE_ONLY if is_table else TABLE_ONLY, "a table" if is_table else "a store")
+    given, other = ("a table", "a store") if is_table else ("a store", "a table")
+    refuse_given(context, STORE_ONLY if is_table else TABLE_ONLY, f"with {given}", f"with {other}")
     if out is not None:
-        need_writable_folder(out, "report.html")
-    if not 0 <= seed < SEEDS:
-        raise UsageError(f"--seed {seed}", f"0 or more, below {SEEDS}", "Any of these numbers serves.")
+        need_writable_folder(out, "report.html", "diagnosis.json", "effects.json")
+    need_seed(seed)
     calibrated = None if calibration is None else (calibration_document(calibration), calibration.name)
     # diagnose
     if is_table:
@@ -107,7 +111,7 @@ def diagnose(
             seed=seed,
             workers=workers_of(workers, scheduler),
             scheduler=scheduler,
-            indenter_folder=_folder(indenters),
+            indenter_folder=need_folder(indenters, "--indenters", INDENTERS),
         )
         document, written, is_found = _store(working_store(source), out, options, calibrated, as_json)
     # print
@@ -122,25 +126,6 @@ def diagnose(
             say(f"written: {', '.join(str(path) for path in written)}")
     if gate and is_found:
         raise typer.Exit(1)
-
-
-def _refuse(context: typer.Context, names: tuple[str, ...], given: str) -> None:
-    """Refuse options of the command line that have no meaning for the source, which is ``given`` in words."""
-    for name in names:
-        source = context.get_parameter_source(name)
-        if source is not None and source.name == "COMMANDLINE":
-            option = f"--{name.replace('_', '-')}"
-            raise UsageError(
-                f"{option} with {given}", f"{option} with {'a store' if given == 'a table' else 'a table'}",
-                "Leave the option out: it would change nothing.",
-            )  # fmt: skip
-
-
-def _folder(path: Path | None) -> Path | None:
-    """Return the folder of mesh files; refuse a path that is no folder."""
-    if path is not None and not path.is_dir():
-        raise UsageError(f"--indenters {path} is no folder", "the folder of the mesh files that recordings name")
-    return path
 
 
 def _table(

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import typer
 
 from tactiledata import __version__
 from tactiledata.cli.output import emit, err, plain
+from tactiledata.contract.atomic import FULL, REFUSED, refusal
 from tactiledata.contract.extras import package_behind
 from tactiledata.errors import TactileDataError
 
@@ -115,11 +119,14 @@ def _as_ours(error: Exception) -> tuple[TactileDataError, int]:
     if (missing := package_behind(error)) is not None:
         return missing, missing.exit_code
     if isinstance(error, OSError):
+        if _is_of_writing(error):
+            unwritten = TactileDataError(*refusal(error, error.filename or "a file"))
+            return unwritten, unwritten.exit_code
         name = f" ({error.filename})" if error.filename else ""
         refused = TactileDataError(
             f"the system refused: {error.strerror or error}{name}",
             "",
-            "Check the path, its permissions and the free space.",
+            "Check the path, and your rights there.",
         )
         return refused, refused.exit_code
     fault = TactileDataError(
@@ -128,3 +135,13 @@ def _as_ours(error: Exception) -> tuple[TactileDataError, int]:
         f"Please report it with the traceback that {DEBUG_VARIABLE}=1 shows.",
     )
     return fault, 3
+
+
+def _is_of_writing(error: OSError) -> bool:
+    """Return whether the system refused to write: there is no room, a read-only disk, or a file that may be read."""
+    if error.errno not in REFUSED or error.errno == errno.EROFS:
+        return error.errno in (*FULL, errno.EROFS)
+    if not error.filename:
+        return False
+    path = Path(os.fsdecode(error.filename))
+    return os.access(path, os.R_OK) or (os.access(path.parent, os.R_OK | os.X_OK) and not os.path.lexists(path))

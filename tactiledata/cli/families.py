@@ -9,6 +9,7 @@ from typing import Any
 import typer
 
 from tactiledata.cli.documents import mapping_document
+from tactiledata.cli.given_values import need_writable_folder
 from tactiledata.cli.output import JSON_OPTION, emit, err, findings, plain, say, say_left_alone, table
 from tactiledata.contract.extras import need_packages
 from tactiledata.contract.wording import counted
@@ -57,6 +58,9 @@ def indenters(
 
     members = {name: INDENTERS[name]() for name in INDENTERS}
     if picture is not None:
+        if picture.suffix.lower() != ".png":
+            raise UsageError(f"--picture {picture}", "a file name that ends in .png", "For example indenters.png.")
+        need_writable_folder(picture.parent, picture.name, option="--picture")
         need_packages("a picture", "matplotlib")
         from tactiledata.indenters.gallery import draw_gallery
 

@@ -52,7 +52,9 @@ def flag(
     if not names:
         raise UsageError("no trajectory is named", "a uid, a name, or recording/name", "`tactiledata flag --help`")
     if "://" in location or "::" in location:
-        raise UsageError(f"the store {location} is not on a local disk", "a local store", "Flag it where it lies.")
+        raise UsageError(
+            f"the store {location} is not on a local disk", "a local store", "Flag it on the machine that holds it."
+        )
     with damage_explains(location):
         _change(location, names, reason, as_json)
 

@@ -9,7 +9,7 @@ from typing import Any
 import typer
 
 from tactiledata.cli.documents import mapping_document
-from tactiledata.cli.given_values import refuse_address
+from tactiledata.cli.given_values import need_local_place
 from tactiledata.cli.next_steps import first_split, stale_split
 from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say, say_left_alone, table
 from tactiledata.cli.task_options import SCHEDULER, WORKERS
@@ -58,7 +58,7 @@ def ingest(
         gap_limit_ns=round(gap_limit * 1e9),
     )
     target = store or _store_here()
-    refuse_address(target, "--store")
+    need_local_place(target, "--store")
     with progress("ingesting", quiet=as_json) as report_progress:
         report = add(paths, target, options, workers, scheduler, report_progress, replace)
     if as_json:

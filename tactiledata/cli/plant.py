@@ -6,10 +6,14 @@ from pathlib import Path
 
 import typer
 
+from tactiledata.cli.given_values import refuse_given
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say
 from tactiledata.cli.working_store import working_store
 from tactiledata.contract.extras import GEL, need_packages
 from tactiledata.errors import UsageError
+
+SIZELESS = ("any", "nothing")
+"""Words after --effect that leave no size to state: chance draws both, or nothing is planted."""
 
 
 def register(app: typer.Typer) -> None:
@@ -18,6 +22,7 @@ def register(app: typer.Typer) -> None:
 
 
 def plant(
+    context: typer.Context,
     store: str = typer.Argument(None, help="A store (*.zarr). Default: the only store in the working folder."),
     effect: str = typer.Option(
         None,
@@ -40,6 +45,7 @@ def plant(
     Example: tactiledata plant ds.zarr --effect any --into blind.zarr
     """
     if score is not None:
+        refuse_given(context, ["effect", "size", "into"], "with --score", "without --score")
         _score(score, diagnosis, as_json)
         return
     if effect is None or into is None or diagnosis is not None:
@@ -48,6 +54,8 @@ def plant(
             "--effect NAME --into COPY, or --score COPY --diagnosis FILE",
             "For example: tactiledata plant ds.zarr --effect lag --into planted.zarr",
         )
+    if effect in SIZELESS:
+        refuse_given(context, ["size"], f"with --effect {effect}", "with the name of an effect")
     _plant(working_store(store), effect, size, into, as_json)
 
 
@@ -64,7 +72,11 @@ def _plant(location: str, effect: str, size: float | None, into: Path, as_json: 
     planting = kept_planting(into)
     if planting is None:
         if into.exists():
-            raise UsageError(f"{into} exists, and has no seal", "a place for a new store", "Name another folder.")
+            raise UsageError(
+                f"--into {into} exists, and `tactiledata plant` did not write it",
+                "a place for a new store",
+                "Name another folder.",
+            )
         planting = drawn_planting(effect, size)
         write_label(into, planting)
     elif effect not in ("any", planting.effect) or size not in (None, planting.size):

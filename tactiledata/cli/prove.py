@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from tactiledata.cli.given_values import listed_names
+from tactiledata.cli.given_values import (
+    is_given,
+    listed_names,
+    need_folder,
+    need_seed,
+    need_writable_folder,
+    refuse_given,
+)
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say, table
 from tactiledata.cli.task_options import SCHEDULER, WORKERS
 from tactiledata.contract.extras import GEL, PAGE, need_packages
@@ -89,23 +96,29 @@ def prove(
             "--out FOLDER runs a proof, --verify FOLDER checks one.",
         )  # fmt: skip
     if verify is not None:
+        others = [
+            parameter.name
+            for parameter in context.command.params
+            if parameter.name not in ("verify", "root", "against", "as_json")
+        ]
+        refuse_given(context, others, "with --verify", "with --out")
+        for option, place in (("--verify", verify), ("--against", against)):
+            need_folder(place, option, "a folder that `tactiledata prove --out` made")
         _verify(ProofFolder(verify), root, None if against is None else ProofFolder(against), as_json)
         return
-    for option, value in (("--root", root), ("--against", against)):
-        if value is not None:
-            raise UsageError(
-                f"{option} with --out", f"{option} with --verify", "Leave the option out: it would change nothing."
-            )
+    refuse_given(context, ["root", "against"], "with --out", "with --verify")
     if seal_only and again is not None:
         raise UsageError(
             "--again with --seal-only", "one of them", "--seal-only gives no answer; --again gives answers once more."
         )
-    if not 0 <= seed < SEEDS:
-        raise UsageError(f"--seed {seed}", f"0 or more, below {SEEDS}", "Any of these numbers serves.")
+    need_seed(seed, SEEDS)
     counts = {
         "nulls": nulls, "visible": visible, "concealed": concealed, "pairs": pairs, "outside": outside,
         "ambiguous": ambiguous, "drawn": drawn,
     }  # fmt: skip
+    need_writable_folder(out)
+    if bank is not None:
+        need_writable_folder(bank, option="--bank")
     need_packages("a proof", "sklearn", *GEL, *PAGE)
     folder = ProofFolder(out.absolute())
     request = _request(
@@ -143,7 +156,7 @@ def _request(context: typer.Context, folder: ProofFolder, quick: bool, values: d
     from tactiledata.prove.request import QUICK, ProofRequest
     from tactiledata.prove.seal.folder import read_json
 
-    given = [name for name in (*REQUEST, *COUNTS) if _is_given(context, name)]
+    given = [name for name in (*REQUEST, *COUNTS) if is_given(context, name)]
     if folder.proof.exists() and not given and not quick:
         return ProofRequest.of(read_json(folder.proof)["request"])
     if not quick:
@@ -151,14 +164,9 @@ def _request(context: typer.Context, folder: ProofFolder, quick: bool, values: d
     # options beside --quick change what it asks
     changed = {REQUEST[name]: values[REQUEST[name]] for name in given if name in REQUEST}
     if any(name in COUNTS for name in given):
-        changed["counts"] = values["counts"]
+        typed = {name: values["counts"].get(name, 0) for name in given if name in COUNTS}
+        return replace(QUICK, **changed).with_counts({**QUICK.counts, **typed}).checked()
     return replace(QUICK, **changed).checked()
-
-
-def _is_given(context: typer.Context, name: str) -> bool:
-    """Return whether an option stands on the command line."""
-    source = context.get_parameter_source(name)
-    return source is not None and source.name == "COMMANDLINE"
 
 
 def _names(text: str, option: str) -> tuple[str, ...]:

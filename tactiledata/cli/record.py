@@ -11,8 +11,10 @@ if TYPE_CHECKING:
     from tactiledata.rig.record import Form
 
 from tactiledata.cli.documents import wrong_document_is_wrong_usage
+from tactiledata.cli.given_values import need_writable_folder
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say
 from tactiledata.cli.task_options import WORKERS
+from tactiledata.contract.own_files import refuse_foreign
 from tactiledata.contract.wording import counted
 
 
@@ -38,12 +40,16 @@ def record(
     Example: tactiledata record demo --out recordings --format mcap
     """
     from tactiledata.contract.simulated import SimulatedCount
+    from tactiledata.rig.record import log_groups
     from tactiledata.rig.record import record as play
     from tactiledata.rig.scenario.scenario import load_scenario
     from tactiledata.rig.scenario.worlds import find_scenario
 
     with wrong_document_is_wrong_usage():
         loaded = load_scenario(find_scenario(scenario))
+    need_writable_folder(out)
+    for name, _ in log_groups(loaded):
+        refuse_foreign(out / (f"{name}.mcap" if form == "mcap" else name))
     with progress("recording", quiet=as_json) as report_progress:
         logs = play(loaded, out, cast("Form", form), report_progress, workers)
     if as_json:

@@ -10,7 +10,7 @@ import typer
 
 from tactiledata.cli.documents import calibration_document, effects_document
 from tactiledata.cli.explain import damage_explains
-from tactiledata.cli.given_values import need_writable_folder
+from tactiledata.cli.given_values import INDENTERS, need_folder, need_writable_folder, refuse_given
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say
 from tactiledata.cli.task_options import SCHEDULER, SIMULATION_WORKERS, workers_of
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
@@ -28,6 +28,7 @@ def register(app: typer.Typer) -> None:
 
 
 def replay(
+    context: typer.Context,
     store: str = STORE_ARGUMENT,
     resolution: str = typer.Option(
         "low", "--resolution", help="Resolution of the mesh: low (6,105 vertices) or high (80,190)."
@@ -85,7 +86,11 @@ def replay(
             f"{SOFTEST:g} to {STIFFEST:g} Pa: a soft gel has 1e5 to 1e6",
             "State it in pascals: 0.9 MPa is 0.9e6, 900 kPa is 900e3.",
         )
-    need_writable_folder(out)
+    if pad is None:
+        refuse_given(context, ["pad_unit"], "without --pad", "with --pad")
+    else:
+        refuse_given(context, ["resolution"], "with --pad", "without --pad")
+    need_folder(indenters, "--indenters", INDENTERS)
     if not 0 < gap_limit < 1e6:
         raise UsageError(f"--gap-limit {gap_limit}", "a number of seconds above 0")
     # material and effects: stated values win over the files
@@ -113,6 +118,7 @@ def replay(
         name=name,
         make_pad=_own_pad(pad, pad_unit),
     )
+    need_writable_folder(out, f"replay-{options.mesh_name}.html")
     # replay
     location = working_store(store)
     with damage_explains(location), progress("replaying", quiet=as_json) as report_progress:

@@ -7,8 +7,11 @@ from pathlib import Path
 import typer
 
 from tactiledata.cli.explain import damage_explains
+from tactiledata.cli.given_values import INDENTERS, need_folder, need_writable_folder
 from tactiledata.cli.output import JSON_OPTION, emit, say
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
+from tactiledata.contract.atomic import write_atomic
+from tactiledata.contract.own_files import marked_png
 from tactiledata.errors import UsageError
 
 
@@ -39,14 +42,11 @@ def scene(
     kind = out.suffix.lower()
     if kind not in (".png", ".xml"):
         raise UsageError(f"--out {out}", "a file name that ends in .png or .xml", "")
+    need_writable_folder(out.parent, out.name)
     location = working_store(store)
     with damage_explains(location):
-        shown = frame_scene(Store.open(location), trajectory, frame, indenters)
-    out.parent.mkdir(parents=True, exist_ok=True)
-    if kind == ".xml":
-        out.write_text(shown.scene.mjcf, encoding="utf-8")
-    else:
-        _write_picture(out, shown.scene.picture())
+        shown = frame_scene(Store.open(location), trajectory, frame, need_folder(indenters, "--indenters", INDENTERS))
+    write_atomic(out, shown.scene.mjcf.encode() if kind == ".xml" else _png(shown.scene.picture()))
     facts = shown.facts()
     if as_json:
         emit({"out": str(out), **facts})
@@ -66,12 +66,9 @@ def scene(
         raise typer.Exit(1)
 
 
-def _write_picture(path: Path, picture: object) -> None:
-    """Write a picture (h, w, 3), RGB, as a PNG file."""
+def _png(picture: object) -> bytes:
+    """Return a picture (h, w, 3), RGB, as a PNG."""
     import cv2
     import numpy as np
 
-    written, content = cv2.imencode(".png", np.asarray(picture)[:, :, ::-1])
-    if not written:
-        raise UsageError(f"{path} cannot be written as PNG")
-    path.write_bytes(content.tobytes())
+    return marked_png(cv2.imencode(".png", np.asarray(picture)[:, :, ::-1])[1].tobytes())

@@ -8,9 +8,13 @@ from typing import Any
 import typer
 
 from tactiledata.cli.explain import damage_explains
+from tactiledata.cli.given_values import refuse_given
 from tactiledata.cli.output import JSON_OPTION, emit, findings, say, table
 from tactiledata.cli.working_store import working_store
 from tactiledata.errors import UsageError
+
+OF_ADDING = ("background", "model", "licence", "source", "unchecked", "replace")
+"""Options that have a meaning for a sensor that is added only."""
 
 
 def register(app: typer.Typer) -> None:
@@ -19,6 +23,7 @@ def register(app: typer.Typer) -> None:
 
 
 def sensors(
+    context: typer.Context,
     words: list[str] = typer.Argument(None, help="A store, or: add NAME [FILE…], or: remove NAME."),
     background: Path = typer.Option(
         None,
@@ -32,7 +37,9 @@ def sensors(
     source: str = typer.Option("", "--source", help="With add: origin of the picture."),
     unchecked: bool = typer.Option(False, "--unchecked", help="With add: accept a picture that looks doubtful."),
     replace: bool = typer.Option(False, "--replace", help="With add: replace another picture of the sensor."),
-    store: str = typer.Option(None, "--store", help="With add, remove: the store [default: the only *.zarr here]."),
+    store: str = typer.Option(
+        None, "--store", help="The store, in the place of one among the words [default: the only *.zarr here]."
+    ),
     as_json: bool = JSON_OPTION,
 ) -> None:
     """List the sensors of a store, and the bundled backgrounds.
@@ -46,15 +53,19 @@ def sensors(
         _add_sensor(words[1:], background, options, store, as_json)
         return
     if words and words[0] == "remove":
+        refuse_given(context, OF_ADDING, "with remove", "with add")
         _remove_sensor(words[1:], store, as_json)
         return
-    if background is not None or replace or (words and len(words) > 1):
+    refuse_given(context, OF_ADDING, "without add", "with add")
+    if words and len(words) > 1:
         raise UsageError(
             f"sensors {' '.join(words or [])}",
             "a store, or: add NAME --background FILE, or: remove NAME",
             "See tactiledata sensors --help.",
         )
-    _list_sensors(words[0] if words else None, as_json)
+    if words:
+        refuse_given(context, ["store"], f"beside the store {words[0]}", "alone")
+    _list_sensors(words[0] if words else store, as_json)
 
 
 def _add_sensor(

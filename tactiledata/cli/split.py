@@ -8,6 +8,7 @@ import shlex
 import typer
 
 from tactiledata.cli.explain import damage_explains
+from tactiledata.cli.given_values import need_seed
 from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say, table
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
 
@@ -47,6 +48,7 @@ def split(
     from tactiledata.splits.make import make_split
     from tactiledata.store.read.reader import Store
 
+    need_seed(seed)
     location = working_store(store)
     with damage_explains(location):
         opened = Store.open(location)
@@ -88,10 +90,10 @@ def audit(
 
     location = working_store(store)
     with damage_explains(location), progress("auditing", quiet=as_json) as report_progress:
-        opened = Store.open(location)
+        opened, other = Store.open(location), None if parents is None else Store.open(parents)
         report = look(opened, split, images, report_progress)
-        if parents is not None:
-            across = audit_across(opened, Store.open(parents), split)
+        if other is not None:
+            across = audit_across(opened, other, split)
             report = dataclasses.replace(report, findings=(*report.findings, *across))
     if as_json:
         emit(report.document())

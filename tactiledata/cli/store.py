@@ -180,7 +180,7 @@ def report(
     Example: tactiledata report ds.zarr --out report
     """
     need_packages("a page", *PAGE)
-    need_writable_folder(out, "report.html")
+    need_writable_folder(out, "report.html", "recorded.png")
     from tactiledata.ingest.sources.overview import write_report
     from tactiledata.replay.overview import mesh_sections
     from tactiledata.store.read.reader import Store

@@ -10,7 +10,7 @@ from shlex import quote
 import typer
 
 from tactiledata.cli.explain import damage_explains
-from tactiledata.cli.given_values import need_writable_folder
+from tactiledata.cli.given_values import need_writable_folder, refuse_given
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say
 from tactiledata.cli.working_store import store_and_names
 from tactiledata.errors import UsageError
@@ -22,6 +22,7 @@ def register(app: typer.Typer) -> None:
 
 
 def view(
+    context: typer.Context,
     words: list[str] = typer.Argument(
         None,
         metavar="[STORE] [TRAJECTORY]...",
@@ -53,13 +54,23 @@ def view(
     """
     from tactiledata.store.read.reader import Store
     from tactiledata.view.options import ViewOptions
-    from tactiledata.view.recording import write_view
+    from tactiledata.view.recording import SUFFIX, write_view
     from tactiledata.view.serve import has_display, need_display, need_port, open_viewer
 
+    if out.suffix != SUFFIX or out.is_dir():
+        raise UsageError(
+            f"--out {out}{' is a folder' if out.is_dir() else ''}",
+            f"a file name that ends in {SUFFIX}",
+            f"For example --out view{SUFFIX}.",
+        )
     need_writable_folder(out.parent, out.name)
+    location, names = store_and_names(words)
+    if names:
+        refuse_given(context, ["most"], "with named trajectories", "where no trajectory is named")
     if web:
         need_port(port)
-    location, names = store_and_names(words)
+    else:
+        refuse_given(context, ["port"], "without --web", "with --web")
     if web and window:
         raise UsageError("--web with --open", "one of them", "Leave one out.")
     if web and as_json:
@@ -77,15 +88,15 @@ def view(
         for line in report.lines():
             say(line)
     if web:
-        _serve(out, port)
+        _serve(out, port, in_browser=window is not False)
     elif window or (window is None and not as_json and sys.stdout.isatty() and has_display()):
         open_viewer(out)
     elif not as_json:
         say(f"look: rerun {quote(str(out))}, or the same command with --web")
 
 
-def _serve(path: Path, port: int) -> None:
-    """Serve the viewer until Ctrl-C; open the browser where there is one."""
+def _serve(path: Path, port: int, in_browser: bool = True) -> None:
+    """Serve the viewer until Ctrl-C; open the browser where it is wanted and there is one."""
     from threading import Event
     from urllib.parse import urlsplit
 
@@ -100,7 +111,7 @@ def _serve(path: Path, port: int) -> None:
                 f"Only this machine can open it. On another one: `ssh -L {used}:127.0.0.1:{used} THIS-MACHINE`, then "
                 "open the same address there. Ctrl-C ends it."
             )
-            if has_display() and sys.stdout.isatty():
+            if in_browser and has_display() and sys.stdout.isatty():
                 webbrowser.open(address)
             sys.stdout.flush()
             Event().wait()

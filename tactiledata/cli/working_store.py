@@ -50,4 +50,4 @@ def working_store(named: str | None, remedy: str = "Name one of them.") -> str:
             "a store",
             "Name a store, or make one: tactiledata ingest RECORDINGS --store ds.zarr",
         )
-    raise UsageError(f"the working folder holds several stores: {', '.join(stores)}", "one", remedy)
+    raise UsageError(f"the working folder holds several stores: {', '.join(stores)}", "one store", remedy)

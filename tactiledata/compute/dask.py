@@ -13,6 +13,8 @@ from tactiledata.compute.base import Outcome, R, Scheduler, T, attempt, in_order
 from tactiledata.contract.extras import missing_package
 from tactiledata.errors import TactileDataError, UsageError
 
+logger = logging.getLogger(__name__)
+
 CONNECT_TIMEOUT = 20.0
 """Seconds to wait for the scheduler to answer."""
 STARTING_TIMEOUT = 3.0
@@ -90,6 +92,9 @@ class DaskScheduler(Scheduler):
 
     def _need_workers(self, client: Any) -> None:
         """Refuse a scheduler without workers: tasks would wait for ever."""
+        if not client.ncores():
+            # the logger of last resort prints it; a library must not print by itself
+            logger.warning("waiting for workers at %s, for up to %g s", self.address, WORKER_TIMEOUT)
         try:
             client.wait_for_workers(1, timeout=WORKER_TIMEOUT)
         except TimeoutError as error:

@@ -9,8 +9,8 @@ from contextlib import contextmanager
 from typing import Any
 
 from tactiledata.compute.base import Outcome, R, Scheduler, T, attempt, in_order
-from tactiledata.contract.worker_pool import worker_died, worker_pool
-from tactiledata.errors import TactileDataError, UsageError
+from tactiledata.contract.worker_pool import need_workers, worker_died, worker_pool
+from tactiledata.errors import TactileDataError
 
 
 class LocalScheduler(Scheduler):
@@ -23,8 +23,7 @@ class LocalScheduler(Scheduler):
     """
 
     def __init__(self, workers: int = 1) -> None:
-        if workers < 1:
-            raise UsageError(f"{workers} workers", "at least 1", "Leave --workers out to run in one process.")
+        need_workers(workers)
         self.workers = workers
         self._pool: ProcessPoolExecutor | None = None
 

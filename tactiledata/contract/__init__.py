@@ -5,6 +5,7 @@
   inside.
 - ``image_bytes``: pictures, decoded in one way, and the limit of their decoded size. ``picture_kinds``: those that are
   not 8-bit RGB. ``image_sizes``: strays in size. ``image_batches``: how many are read at once.
+- ``own_files``: which files an earlier run wrote, so that they may be replaced.
 - ``arrow_memory``: tables that are read so that no thread of Arrow outlives them. ``near_path``: a proposal where a
   path does not exist.
 - ``tensor_files``, ``lfs_pointer``: files from strangers. ``simulated``, ``wording``: words that are the same

@@ -16,6 +16,32 @@ REFUSED = (errno.EACCES, errno.EPERM, errno.EROFS)
 """Errors of the system where nothing may be written: no right to, or a read-only disk."""
 
 
+def refusal(error: OSError, place: Path | str) -> tuple[str, str, str]:
+    """What is said where the system lets nothing be written: what was found, what was expected, what to do.
+
+    Parameters
+    ----------
+    error : OSError
+        What the system said.
+    place : Path or str
+        What should have been written, for the message.
+
+    Examples
+    --------
+    >>> refusal(OSError(errno.EROFS, "Read-only file system"), "out/page.html")[0]
+    'out/page.html cannot be written: Read-only file system'
+    """
+    if error.errno in FULL:
+        expected, remedy = "a disk with room", "Make room there, and run the command again."
+    elif error.errno == errno.EROFS:
+        expected, remedy = "a place that can be written to", "Name another place, or mount this one for writing."
+    elif error.errno in REFUSED:
+        expected, remedy = "a place that you may write to", "Check your rights there, or name another place."
+    else:
+        expected, remedy = "a disk that works", "Check the disk there, or name another place."
+    return f"{place} cannot be written: {error.strerror or error}", expected, remedy
+
+
 def write_atomic(path: Path, content: bytes, synced: bool = True) -> None:
     """Write a file with this content: beside its place, synced, renamed into place, the folder synced.
 

@@ -1,15 +1,51 @@
-"""Paths that documents name, kept inside the folder that they belong to."""
+"""Paths that documents name, and names that users give: kept inside the folder that they belong to."""
 
 from __future__ import annotations
 
+import re
 from pathlib import Path, PurePosixPath
 
-from tactiledata.errors import UnsafeContent
+from tactiledata.errors import UnsafeContent, UsageError
+
+NAME_PATTERN = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
+"""A name that a user gives to something, and that becomes the name of files."""
 
 LONGEST_NAME = 255
 """Bytes of the name of a file or folder, as file systems have them."""
 LONGEST_PATH = 3000
 """Bytes of a relative path: the system's 4096 less what the folder takes."""
+
+
+def need_file_name(name: object, kind: str, example: str) -> str:
+    """A name given with ``--name`` that is safe as a file name; other files about the same carry it and a dot.
+
+    Parameters
+    ----------
+    name : object
+        What was given.
+    kind : str
+        Of what it is the name, for the message: a split, a mesh.
+    example : str
+        A name that serves, for the message.
+
+    Raises
+    ------
+    UsageError
+        Anything else: paths, spaces, dots, no text.
+
+    Examples
+    --------
+    >>> need_file_name("by-robot", "split", "default")
+    'by-robot'
+    """
+    if not isinstance(name, str) or not NAME_PATTERN.fullmatch(name):
+        raise UsageError(
+            f"the {kind} name {name!r} cannot be a file name",
+            "letters, digits, '_' and '-', at most 64, starting with a letter or digit",
+            f"For example --name {example}.",
+            name=name,
+        )
+    return name
 
 
 def path_inside(folder: Path, name: str, where: str) -> Path:

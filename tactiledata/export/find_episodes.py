@@ -64,8 +64,8 @@ def find_episodes(store: Store, plan: ExportPlan, may_be_empty: bool = False) ->
     index = _joined(indexes)
     if not len(index) and not may_be_empty:
         raise UsageError(
-            f"no frame of {store.location} goes out: no trajectory has one in {plan.split!r}",
-            "at least one trajectory with a readable frame",
+            f"nothing to export from {store.location}: split {plan.split!r} has no trajectory with a readable frame",
+            "at least one",
             "`tactiledata info` shows what the store holds; --split none takes all trajectories.",
         )
     excluded = _excluded(store, plan)

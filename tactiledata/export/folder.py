@@ -64,7 +64,7 @@ def finished_export(out: Path, key: str, replace: bool) -> dict[str, Any] | None
             f"{out} is the working folder, or holds it", "a place for a new folder", "Name a folder inside with --out."
         )
     if not out.is_dir():
-        raise UsageError(f"{out} is no folder", "a place for a new folder", "Name another place with --out.")
+        raise UsageError(f"--out {out} is not a folder", "a place for a new folder", "Name another place with --out.")
     names = sorted(path.name for path in out.iterdir())
     if not names:
         return None
@@ -72,7 +72,7 @@ def finished_export(out: Path, key: str, replace: bool) -> dict[str, Any] | None
     if document is None:
         listed = ", ".join(names[:3]) + (" …" if len(names) > 3 else "")
         raise UsageError(
-            f"{out} holds what is no export that is whole: {listed}",
+            f"{out} holds other files, or an export that is not complete: {listed}",
             "an empty folder, or a place where nothing is",
             "Name another place with --out, or move what is there.",
         )
@@ -265,8 +265,8 @@ def _clear(folder: Path, key: str) -> None:
     foreign = [path.name for path in folder.iterdir() if not path.name.startswith(".")]
     if foreign and not plan.exists() and document is None:
         raise UsageError(
-            f"{folder} holds what no export left there: {foreign[0]}",
-            "a place of the toolkit's own",
+            f"{folder} holds {foreign[0]}, which no export wrote",
+            "a folder that only exports write to",
             "Move it, or name another place with --out.",
         )
     for path in list(folder.iterdir()):

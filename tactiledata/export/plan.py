@@ -49,7 +49,7 @@ class ExportPlan:
 
     def __post_init__(self) -> None:
         if not 1 <= self.file_mb <= LARGEST_FILE_MB:
-            raise UsageError(f"files of {self.file_mb} MB", f"a size from 1 to {LARGEST_FILE_MB} MB")
+            raise UsageError(f"--file-mb {self.file_mb}", f"a size from 1 to {LARGEST_FILE_MB}, in 10^6 bytes")
 
     def require_frames(self, at_frames: bool) -> None:
         """Refuse choices of frames and values for a format that keeps whole recordings.

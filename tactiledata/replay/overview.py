@@ -14,6 +14,7 @@ from tactiledata.replay.effect_words import effects_in_words
 from tactiledata.report.page import Section, render_page
 from tactiledata.report.panels import panels_of
 from tactiledata.report.replay_plots import ReplayedTouch, draw_replayed
+from tactiledata.store.layout.places import folder_name
 from tactiledata.store.read.meshes import HAS_MESH, StoredMesh
 from tactiledata.store.read.reader import Store
 from tactiledata.store.read.simulated import simulated_recordings, touch_mark
@@ -36,7 +37,7 @@ def write_replay_page(store: Store, name: str, out: Path) -> Path:
     out : Path
         Folder of the page; it is made if needed.
     """
-    path = out / f"replay-{name}.html"
+    path = out / f"replay-{folder_name(name)}.html"
     footer = f"tactiledata {__version__}; store digest {store.digest}; mesh digest {store.mesh(name).facts['digest']}"
     sections = [mesh_section(store, name)]
     named = f"The store is {PurePosixPath(store.location).name}."

@@ -24,6 +24,7 @@ PROSE = 60
 TEMPLATE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><title>{{ title }}</title>
 <meta name="viewport" content="width=device-width, initial-scale=1"><link rel="icon" href="data:,">
+<meta name="generator" content="tactiledata">
 <style>
 :root { color-scheme: light dark; --ink: #1b1f24; --paper: #fff; --grey: #57606a; --line: #d0d7de; --box: #f6f8fa;
   --link: #0a58ca; --damage: #b42318; --warning: #8a5a00; }

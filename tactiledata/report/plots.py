@@ -161,5 +161,5 @@ def png_bytes(figure: Figure, dots_per_inch: int = 110, heading: str = "", has_l
         )  # fmt: skip
     stream = io.BytesIO()
     with drawing(figure):
-        figure.savefig(stream, format="png", dpi=dots_per_inch, metadata={"Software": None})
+        figure.savefig(stream, format="png", dpi=dots_per_inch, metadata={"Software": "tactiledata"})
     return stream.getvalue()

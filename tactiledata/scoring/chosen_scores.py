@@ -12,7 +12,9 @@ from tactiledata.errors import UnknownName, UsageError
 from tactiledata.metrics import METRICS
 from tactiledata.metrics.base import Score
 
-OF_SETS = ("image sets", "latent sets")
+VECTORS = "latent sets"
+"""Kind of metrics that compare sets of latent vectors."""
+OF_SETS = ("image sets", VECTORS)
 """Kinds of metrics that compare two sets."""
 STYLE = "gram_style"
 """Name by which a person asks for a style distance."""
@@ -60,6 +62,19 @@ def chosen_scores(names: Sequence[str], weights: Path | None = None, device: str
             f"Ask for {STYLE} alone: it takes VGG-19 where its weights are found.",
         )
     return list(chosen.values())
+
+
+def needs_vectors(names: Sequence[str], scores: Sequence[tuple[str, Score]]) -> bool:
+    """Whether latent vectors have a part: for the picture of them, or for a score.
+
+    Parameters
+    ----------
+    names : list of str
+        As `chosen_scores` takes them.
+    scores : list of (str, Score)
+        As `chosen_scores` returns them.
+    """
+    return TSNE in names or any(METRICS[metric].takes == VECTORS for metric, _ in scores)
 
 
 def _named(name: str, able: dict[str, Any], weights: Path | None, device: str) -> list[tuple[str, Score]]:

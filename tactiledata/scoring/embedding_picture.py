@@ -94,5 +94,5 @@ def draw_embedding(
     if heading:
         figure.suptitle(heading, fontsize=10)
     path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, dpi=110)
+    figure.savefig(path, dpi=110, metadata={"Software": "tactiledata"})
     return path

@@ -23,18 +23,34 @@ def command(location: str, name: str, options: Mapping[str, Any]) -> str:
     options : dict
         ``options`` of the split's document (``schemas/split.json``).
     """
+    usual = SplitOptions().document()
+    chosen = [word for key, words in _typed(options).items() if options[key] != usual[key] for word in words]
+    chosen += ["--with-flagged"] if options.get("with_flagged") else []
+    return shlex.join(["tactiledata", "split", location, "--name", name, *chosen])
+
+
+def typed_options(options: Mapping[str, Any]) -> dict[str, str]:
+    """Return each option as people type it, also where it has its default.
+
+    Parameters
+    ----------
+    options : dict
+        ``options`` of a split's document.
+    """
+    flagged = "--with-flagged" if options.get("with_flagged") else "no --with-flagged"
+    return {**{key: " ".join(words) for key, words in _typed(options).items()}, "with_flagged": flagged}
+
+
+def _typed(options: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
+    """Return the name and the text of each option that has a text."""
     force = options["force"]
-    typed = {
+    return {
         "by": ("--by", ",".join(options["by"])),
         "hold_out": ("--hold-out", _held(options["hold_out"])),
         "fractions": ("--fractions", ",".join(map(repr, options["fractions"]))),
         "force": ("--force", "none" if force is None else "..".join(map(repr, force))),
         "seed": ("--seed", str(options["seed"])),
     }
-    usual = SplitOptions().document()
-    chosen = [word for key, words in typed.items() if options[key] != usual[key] for word in words]
-    chosen += ["--with-flagged"] if options.get("with_flagged") else []
-    return shlex.join(["tactiledata", "split", location, "--name", name, *chosen])
 
 
 def _held(hold_out: str | Mapping[str, list[str]]) -> str:

@@ -75,6 +75,23 @@ def part_of(draws: NDArray[np.float64], fractions: Sequence[float]) -> NDArray[n
     return np.asarray(taken)[np.searchsorted(edges, draws, side="right")]
 
 
+def need_units(trajectories: pa.Table, options: SplitOptions) -> None:
+    """Refuse to hold out by name what the store does not hold.
+
+    Raises
+    ------
+    UnknownName
+        A unit was named that the store does not hold.
+    """
+    if isinstance(options.hold_out, str):
+        return
+    for kind, names in options.hold_out.items():
+        known = {name for name in trajectories[kind].to_pylist() if name}
+        for name in names:
+            if name not in known:
+                raise UnknownName(kind, name, known, "Only units of this store can be held out.")
+
+
 def choose_held_out(trajectories: pa.Table, options: SplitOptions) -> tuple[dict[str, tuple[str, ...]], list[str]]:
     """Units that are held out, by kind, and in words why.
 
@@ -86,11 +103,7 @@ def choose_held_out(trajectories: pa.Table, options: SplitOptions) -> tuple[dict
     if options.hold_out == "none":
         return {}, []
     if not isinstance(options.hold_out, str):
-        for kind, names in options.hold_out.items():
-            known = {name for name in trajectories[kind].to_pylist() if name}
-            for name in names:
-                if name not in known:
-                    raise UnknownName(kind, name, known, "Only units of this store can be held out.")
+        need_units(trajectories, options)
         return {kind: tuple(sorted(names)) for kind, names in options.hold_out.items()}, []
     held: dict[str, tuple[str, ...]] = {}
     notes: list[str] = []
@@ -164,9 +177,9 @@ def assign(
     partition[_apart_from_their_moment(uids, groups, partition)] = EXCLUDED
     if len(partition) and not np.isin(partition, SHARES).any():
         raise UsageError(
-            f"all {len(partition)} trajectories carry a held-out unit ({describe_held(held_out)})",
+            f"every one of {len(partition)} trajectories is held out ({describe_held(held_out)})",
             "trajectories that are left to train on",
-            "Hold fewer units out.",
+            "Hold out fewer sensors or indenters: --hold-out.",
         )
     if flagged:
         partition[pc.is_in(trajectories["uid"], value_set=pa.array(list(flagged), pa.string())).to_numpy()] = EXCLUDED

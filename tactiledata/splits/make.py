@@ -10,8 +10,8 @@ import pyarrow as pa
 
 from tactiledata.contract.wording import agreeing, counted
 from tactiledata.errors import SchemaError, StoreError, UsageError
-from tactiledata.splits.again import command
-from tactiledata.splits.assign import Held, assign, choose_held_out, describe_held
+from tactiledata.splits.again import command, typed_options
+from tactiledata.splits.assign import Held, assign, choose_held_out, describe_held, need_units
 from tactiledata.splits.flagged import flag_change_notes, flag_notes
 from tactiledata.splits.groups import group_trajectories
 from tactiledata.splits.manifest import read_split, read_split_document, write_split
@@ -70,6 +70,7 @@ def make_split(
     path = _local_path(store, check_name(name))
     trajectories = store.trajectories(list(TRAJECTORY_COLUMNS))
     frames = store.frames(list(FRAME_COLUMNS))
+    need_units(trajectories, options)
     before = None if replace else _existing(store, name, options)
     flags = flagged_trajectories(store)
     kept = None if before is None else before["held_out"]
@@ -136,7 +137,9 @@ def _local_path(store: Store, name: str) -> Path:
     path = str(store.split_path(name))
     if "://" in path and not path.startswith("file://"):
         raise UsageError(
-            f"the store {store.location} is not on a local disk", "a local store", "Split it where it lies on a disk."
+            f"the store {store.location} is not on a local disk",
+            "a local store",
+            "Split it on the machine that holds it.",
         )
     return Path(path.removeprefix("file://"))
 
@@ -155,9 +158,10 @@ def _existing(store: Store, name: str, options: SplitOptions) -> dict[str, Any] 
     if document["options"] != options.document():
         there, here = document["options"], options.document()
         differ = [key for key in {**there, **here} if there.get(key) != here.get(key)]
+        was, asked = typed_options(there), typed_options(here)
         raise UsageError(
             f"a split {name!r} exists that was made with other options ("
-            + "; ".join(f"{key}: {there.get(key, 'not so')} there, {here.get(key, 'not so')} here" for key in differ)
+            + "; ".join(f"{was[key]} there, {asked[key]} here" for key in differ)
             + ")",
             "the same options, to bring it up to date",
             f"That is `{command(store.location, name, document['options'])}`. Else choose another --name, or --replace "

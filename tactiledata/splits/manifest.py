@@ -16,7 +16,8 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from tactiledata.contract.arrow_memory import arrow_reader, read_parquet
-from tactiledata.contract.atomic import FULL, REFUSED, write_atomic
+from tactiledata.contract.atomic import REFUSED, refusal, write_atomic
+from tactiledata.contract.paths import NAME_PATTERN
 from tactiledata.contract.provenance import bytes_digest, provenance
 from tactiledata.contract.schema import check_document
 from tactiledata.contract.sealed import SEAL, fits_seal, sealed_json
@@ -32,7 +33,7 @@ from tactiledata.errors import (
 )
 from tactiledata.splits.again import command
 from tactiledata.splits.assign import SPLIT_SCHEMA
-from tactiledata.splits.options import EXCLUDED, NAME_PATTERN, PARTITIONS, SplitOptions, check_name
+from tactiledata.splits.options import EXCLUDED, PARTITIONS, SplitOptions, check_name
 from tactiledata.splits.report import SplitReport
 from tactiledata.splits.select import FRAME_COLUMNS, taken_frames
 from tactiledata.store.layout.made_splits import remember_split
@@ -139,21 +140,10 @@ def write_split(path: Path, report: SplitReport, table: pa.Table, store: Mapping
 
 
 def _not_written(path: Path, error: OSError) -> StoreError:
+    found, expected, remedy = refusal(error, path.parent)
     if error.errno in REFUSED:
-        return StoreError(
-            f"the split cannot be written: the folder {path.parent} is not writable ({error.strerror})",
-            "a folder that can be written to",
-            "Copy the store to a place of yours, or ask its owner.",
-            path=str(path),
-        )
-    is_full = error.errno in FULL
-    what = "Free some space" if is_full else "Check the disk"
-    return StoreError(
-        f"the split could not be written to {path.parent}: {error.strerror or error}",
-        "a disk with free space" if is_full else "a disk that works",
-        f"{what} and run the command again; the store itself is unharmed.",
-        path=str(path),
-    )
+        remedy = "Copy the store to a place of yours, or ask its owner."
+    return StoreError(found, expected, f"{remedy} The store itself is unharmed.", path=str(path))
 
 
 def read_split_document(store: Store, name: str) -> dict[str, Any] | None:
@@ -260,7 +250,7 @@ def load_split(store: Store, name: str) -> Split:
             f"split {name!r} of {store.location} is out of date: {problem}",
             "a split that knows every trajectory",
             f"Run `{command(store.location, name, split.document['options'])}` again. "
-            "Nobody who has a part is moved by that.",
+            "No trajectory that has a part gets another one.",
             name=name,
         )
     return split

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from tactiledata.contract.paths import need_file_name
 from tactiledata.errors import UnknownName, UsageError
 from tactiledata.splits.groups import UNIT_KINDS
 
@@ -19,7 +20,6 @@ EXCLUDED = "excluded"
 """In no partition: a derived trajectory that carries a held-out unit while its parent does not."""
 FRACTION_TOLERANCE = 1e-6
 """How far the fractions' sum may be from 1: typed decimals, not a missing tenth."""
-NAME_PATTERN = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
 BY_WORDS = ("trajectory", *UNIT_KINDS)
 """What a split may go by."""
 FRAME_WORDS = {"frame", "frames", "image", "images", "row", "rows", "time"}
@@ -153,7 +153,7 @@ def read_hold_out(value: HoldOut | str | None) -> HoldOut:
         pairs = _typed_pairs(str(value))
     if not pairs:
         raise UsageError(
-            f"hold-out {value!r} names no unit",
+            f"--hold-out {value!r} names no unit",
             "auto, none, or for example sensor=D20542,indenter=star",
             "Use --hold-out none to hold nobody out.",
         )
@@ -168,7 +168,7 @@ def read_hold_out(value: HoldOut | str | None) -> HoldOut:
 def _names(kind: str, names: Sequence[str]) -> list[str]:
     listed = [names] if isinstance(names, str) else list(names)
     if any(not isinstance(name, str) or not name for name in listed):
-        raise UsageError(f"hold-out of {kind} names {listed!r}", "names that are not empty")
+        raise UsageError(f"--hold-out of {kind} names {listed!r}", "names that are not empty")
     return listed
 
 
@@ -180,7 +180,7 @@ def _typed_pairs(text: str) -> list[tuple[str, str]]:
         kind, name = (head.strip(), tail.strip()) if has_kind else (kind, item.strip())
         if not kind or not name:
             raise UsageError(
-                f"hold-out {text!r} has the item {item.strip()!r}",
+                f"--hold-out {text!r} has the item {item.strip()!r}",
                 "auto, none, or for example sensor=D20542,indenter=star",
                 "Name the kind and the unit: sensor=…, indenter=….",
             )
@@ -248,11 +248,4 @@ def check_name(name: str) -> str:
     UsageError
         Anything else: paths, spaces, dots (other files about a split carry its name and a dot).
     """
-    if not isinstance(name, str) or not NAME_PATTERN.fullmatch(name):
-        raise UsageError(
-            f"the split name {name!r} cannot be a file name",
-            "letters, digits, '_' and '-', at most 64, starting with a letter or digit",
-            "For example --name default.",
-            name=name,
-        )
-    return name
+    return need_file_name(name, "split", "default")

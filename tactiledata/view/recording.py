@@ -39,6 +39,8 @@ from tactiledata.view.rerun_package import load_rerun
 from tactiledata.view.touch import TouchReader, ViewedTouch
 from tactiledata.view.touch_log import TouchLog
 
+COLOURS = re.compile("\x1b\\[[0-9;]*m")
+"""What rerun writes into its messages to colour them on a terminal."""
 SUFFIX = ".rrd"
 LOCK = "lock"
 """A file that is locked as long as its folder is written to; the system frees it when the process dies."""
@@ -243,7 +245,7 @@ def _join(parts: Collection[Path], joined: Path, out: Path) -> None:
     done = subprocess.run(command, capture_output=True, text=True, check=False, env={**os.environ, "CI": "true"})
     if done.returncode or not joined.is_file():
         raise StoreError(
-            f"{out} could not be written: {done.stderr.strip()[-300:]}",
+            f"{out} could not be written: {COLOURS.sub('', done.stderr).strip()[-300:]}",
             "a folder with free space that may be written",
             "Free some space, or name another place with --out.",
         )

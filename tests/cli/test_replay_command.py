@@ -118,6 +118,8 @@ def test_a_missing_material_is_said_before_anything_is_loaded(store, capsys, mon
         ["--poisson-ratio", "0.5"],
         ["--pad", "nowhere.msh"],
         ["--workers", "0"],
+        ["--name", "../../outside"],
+        ["--name", "a/b"],
     ],
 )
 def test_wrong_calls_change_nothing(store, options, capsys):
@@ -126,3 +128,4 @@ def test_wrong_calls_change_nothing(store, options, capsys):
     assert code == 2, err
     assert "rror: " in err
     assert Store.open(store).mesh_names == ()
+    assert not list(store.parent.glob("**/replay*"))

@@ -190,7 +190,7 @@ def end_process(number):
 
 
 @pytest.mark.slow
-def test_a_lost_scheduler_and_lost_workers_are_said(monkeypatch):
+def test_a_lost_scheduler_and_lost_workers_are_said(monkeypatch, caplog):
     """No workers at the start are wrong usage; workers or a scheduler lost on the way end the run with advice."""
     pytest.importorskip("distributed")
     started = []
@@ -207,6 +207,8 @@ def test_a_lost_scheduler_and_lost_workers_are_said(monkeypatch):
             patch.setattr("tactiledata.compute.dask.WORKER_TIMEOUT", 0.5)
             with pytest.raises(UsageError, match="has no workers"):
                 list(SCHEDULERS["dask"](address).outcomes(halve, range(2)))
+        waited = [record.getMessage() for record in caplog.records if record.name == "tactiledata.compute.dask"]
+        assert waited == [f"waiting for workers at {address}, for up to 0.5 s"]
         worker = start("worker", address, "--nthreads", "1", "--no-nanny")
         with monkeypatch.context() as patch:
             patch.setattr("tactiledata.compute.dask.LOOK_AGAIN", 0.2)

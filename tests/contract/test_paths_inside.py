@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tactiledata.contract.paths import path_inside
-from tactiledata.errors import UnsafeContent
+from tactiledata.contract.paths import need_file_name, path_inside
+from tactiledata.errors import UnsafeContent, UsageError
 
 PARTS = st.sampled_from(["a", "b.png", ".", "..", "", "in", "out", "loop", "C:", "~", "...", " ", "é"])
 NAMES = st.lists(PARTS, max_size=6).flatmap(
@@ -78,3 +78,22 @@ def test_names_that_no_file_can_have_are_refused(folder, name):
 def test_the_longest_names_are_taken(folder):
     """The longest name that a file can have is no fault."""
     assert path_inside(folder, "a" * 255, "log.yaml").name == "a" * 255
+
+
+@given(name=NAMES | st.text(max_size=70))
+def test_a_given_name_is_one_file_name_or_is_refused(name):
+    """A name that is accepted is the last part of its own path, in letters that every file system takes."""
+    try:
+        assert need_file_name(name, "mesh", "low") == name
+    except UsageError as error:
+        assert f"the mesh name {name!r} cannot be a file name" in str(error)  # noqa: PT017
+        return
+    assert PurePosixPath(name).parts == (name,)
+    assert name.isascii()
+    assert name.strip(".") == name
+
+
+@pytest.mark.parametrize("name", ["default", "low-linear", "9_a-B", "x" * 64])
+def test_usual_names_are_taken(name):
+    """Negative control: what commands call splits and meshes by themselves is a name."""
+    assert need_file_name(name, "split", "default") == name

@@ -1,5 +1,6 @@
 """What ends a worker, piece by piece, without starting one."""
 
+import os
 import signal
 import threading
 from multiprocessing import Pipe
@@ -36,7 +37,7 @@ def pool(monkeypatch):
 
 
 def test_an_error_ends_workers_at_once(pool):
-    """The pipe is closed, tasks that wait are dropped, nobody is waited for, and the error goes on."""
+    """The pipe is closed, tasks that wait are dropped, workers are waited for, and the error goes on."""
     block = module.worker_pool(3)
     made = block.__enter__()
     assert made.workers == 3
@@ -44,7 +45,7 @@ def test_an_error_ends_workers_at_once(pool):
     stopped = KeyboardInterrupt()
     # it does not swallow the error
     assert not block.__exit__(KeyboardInterrupt, stopped, None)
-    assert Pool.made.shut[0] == (False, True, True)
+    assert Pool.made.shut[0] == (True, True, True)
 
 
 def test_a_block_that_ends_well_waits(pool):
@@ -59,6 +60,7 @@ def test_a_worker_ends_with_status_one_when_the_pipe_ends(monkeypatch):
     ended, handled = [], []
     monkeypatch.setattr(module.os, "_exit", ended.append)
     monkeypatch.setattr(module.signal, "signal", lambda *given: handled.append(given))
+    monkeypatch.setattr(module.signal, "pthread_sigmask", lambda *given: handled.append(given))
     watched, held = Pipe(duplex=False)
     before = set(threading.enumerate())
     with watched:
@@ -71,4 +73,52 @@ def test_a_worker_ends_with_status_one_when_the_pipe_ends(monkeypatch):
         held.close()
         thread.join(10)
     assert ended == [1]
-    assert handled == [(signal.SIGINT, signal.SIG_IGN)]
+    # blocked until it is ignored
+    assert handled == [(signal.SIGINT, signal.SIG_IGN), (signal.SIG_UNBLOCK, {signal.SIGINT})]
+
+
+def test_an_interrupt_waits_until_a_worker_has_started(monkeypatch):
+    """The start is not cut off, the worker begins with interrupts blocked, and then the interrupt is raised."""
+    seen = []
+
+    def start(worker):
+        signal.raise_signal(signal.SIGINT)
+        seen.append(signal.pthread_sigmask(signal.SIG_BLOCK, ()))
+
+    monkeypatch.setattr(module.SpawnProcess, "start", start)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        worker = module.StartedWorker()
+        with pytest.raises(KeyboardInterrupt):
+            worker.start()
+        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    finally:
+        signal.signal(signal.SIGINT, before)
+    (mask,) = seen
+    assert signal.SIGINT in mask
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, ())
+    # the processes of a pool, and that of a queue, are started so
+    assert module.WorkerContext.Process is module.StartedWorker
+
+
+def test_a_worker_that_starts_in_peace_starts_no_interrupt(monkeypatch):
+    """Negative control: nothing is raised where nothing came, in the main thread and beside it."""
+    monkeypatch.setattr(module.SpawnProcess, "start", lambda worker: None)
+    module.StartedWorker().start()
+    beside = threading.Thread(target=module.StartedWorker().start)
+    beside.start()
+    beside.join()
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, ())
+
+
+@pytest.mark.parametrize("told", [None, "default"])
+def test_the_tracker_of_a_killed_parent_is_silent_and_nothing_else_is(monkeypatch, told):
+    """The variable that silences it is set while it starts, beside what the user set, and then as it was."""
+    monkeypatch.delenv(module.WARNINGS, raising=False)
+    if told:
+        monkeypatch.setenv(module.WARNINGS, told)
+    seen = []
+    monkeypatch.setattr(module.resource_tracker, "ensure_running", lambda: seen.append(os.environ[module.WARNINGS]))
+    module._start_tracker()
+    assert seen == ["default,ignore:resource_tracker" if told else "ignore:resource_tracker"]
+    assert os.environ.get(module.WARNINGS) == told

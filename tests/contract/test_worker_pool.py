@@ -68,7 +68,8 @@ def test_workers_end_within_seconds_of_their_parent(tmp_path, work, ending):
     parent = subprocess.Popen(
         [sys.executable, str(script), str(tmp_path / "out")],
         stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     try:
@@ -77,11 +78,16 @@ def test_workers_end_within_seconds_of_their_parent(tmp_path, work, ending):
         parent.send_signal(ending)
         assert parent.wait(SECONDS) != 0
         assert not psutil.wait_procs(workers, timeout=SECONDS)[1]
+        # the tracker of semaphores ends last
+        told = parent.stderr.read()
+        assert "resource_tracker" not in told
+        assert "BrokenProcessPool" not in told
     finally:
         for process in (*(workers_of(parent.pid) if parent.poll() is None else ()), parent):
             process.kill()
         parent.wait()
         parent.stdout.close()
+        parent.stderr.close()
 
 
 def own_process(_):

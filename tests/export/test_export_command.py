@@ -52,7 +52,10 @@ def test_the_document_for_machines(folder, capsys):
         (["--to", "huggingface", "--streams", ","], "no stream is named"),
         (["--to", "huggingface", "--file-mb", "0"], "from 1 to"),
         (["--to", "huggingface", "--split", "other"], "default"),
-        (["--to", "huggingface", "--out", "mine"], "holds what is no export"),
+        (
+            ["--to", "huggingface", "--out", "mine"],
+            "mine holds other files, or an export that is not complete: thesis.tex",
+        ),
     ],
 )
 def test_wrong_usage(arguments, words, folder, capsys):

@@ -13,6 +13,7 @@ import pytest
 from sealed_proofs import said, sealed_proof
 from typer.testing import CliRunner
 
+from tactiledata.cli import prove as prove_command
 from tactiledata.cli.main import app
 from tactiledata.diagnose.touches.variant_plays import variants_of
 from tactiledata.effects import EFFECTS
@@ -158,6 +159,23 @@ def test_wrong_usage_is_refused(tmp_path):
     (tmp_path / "x" / "letter.txt").write_text("mine")
     done = CliRunner().invoke(app, [*out, "--nulls", "1", "--plans", "coarse-0"])
     assert "other files" in str(done.exception)
+
+
+@pytest.mark.parametrize(
+    ("words", "counts"),
+    [
+        ([], QUICK.counts),
+        (["--nulls", "5"], {**QUICK.counts, "nulls": 5}),
+        (["--pairs", "0", "--drawn", "2"], {"nulls": 4, "visible": 3, "concealed": 1, "outside": 1, "drawn": 2}),
+    ],
+)
+def test_counts_beside_quick_keep_its_other_cases(tmp_path, monkeypatch, words, counts):
+    """A count that is typed is that of its kind; kinds that are not typed keep their number."""
+    asked = []
+    monkeypatch.setattr(prove_command, "_run", lambda folder, request, *given: asked.append(request.counts))
+    done = CliRunner().invoke(app, ["prove", "--out", str(tmp_path / "x"), "--quick", *words])
+    assert done.exit_code == 0, done.exception
+    assert asked == [counts]
 
 
 def test_requests_survive_their_document():

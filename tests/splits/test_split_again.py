@@ -8,7 +8,7 @@ import pytest
 from split_cases import MemoryStore, frames, many, parts, trajectories
 
 from tactiledata.contract.take import FrameFlag
-from tactiledata.errors import LeakError, StoreError, UsageError
+from tactiledata.errors import LeakError, StoreError, UnknownName, UsageError
 from tactiledata.splits.audit import audit
 from tactiledata.splits.make import make_split
 from tactiledata.splits.manifest import load_split
@@ -74,6 +74,33 @@ def test_other_options_are_refused_with_those_that_were_meant(tmp_path):
     with pytest.raises(UsageError) as refused:
         make_split(store)
     assert typed(re.search("`(.*)`", str(refused.value))[1]) == {"name": "default", "seed": 7}
+
+
+def test_a_slip_is_said_before_a_split_that_exists(tmp_path):
+    """A name that the store does not hold is the error, and not the options of the split of that name."""
+    store = MemoryStore(tmp_path, trajectories(many(50)))
+    make_split(store)
+    with pytest.raises(UnknownName, match="unknown sensor 'D9'"):
+        make_split(store, hold_out="sensor=D9")
+
+
+def test_options_that_differ_are_told_as_they_are_typed(tmp_path):
+    """No list and no dictionary of Python stands in the message; options that are the same are left out."""
+    store = MemoryStore(tmp_path, trajectories(many(50)))
+    make_split(store)
+    sensor = store.trajectories(["sensor"])["sensor"][0].as_py()
+    with pytest.raises(UsageError) as refused:
+        make_split(store, fractions=(0.5, 0.25, 0.25), hold_out=f"sensor={sensor}", force=None, with_flagged=True)
+    said = refused.value.found
+    for words in (
+        "--fractions 0.8,0.1,0.1 there, --fractions 0.5,0.25,0.25 here",
+        f"--hold-out auto there, --hold-out sensor={sensor} here",
+        "--force 1.0..13.0 there, --force none here",
+        "no --with-flagged there, --with-flagged here",
+    ):
+        assert words in said
+    assert not set("[]{}") & set(said)
+    assert "--seed" not in said
 
 
 @pytest.mark.parametrize("force", [(1, 13), None])

@@ -117,7 +117,7 @@ def test_who_is_parted_anew_is_counted_and_named(store, count):
 def test_other_options_need_another_name_or_replace(store):
     """A split is not silently made anew with other options."""
     make_split(store, seed=0)
-    with pytest.raises(UsageError, match="seed: 0 there, 1 here"):
+    with pytest.raises(UsageError, match="--seed 0 there, --seed 1 here"):
         make_split(store, seed=1)
     make_split(store, seed=1, name="other")
     make_split(store, seed=1, replace=True)
@@ -215,7 +215,7 @@ def test_missing_splits_say_how_to_make_one(store):
         ({"hold_out": {"sensor": [""]}}, "not empty"),
         ({"hold_out": "robot=ur5e"}, "'robot'"),
         ({"hold_out": "sensor=Q"}, "'Q'"),
-        ({"hold_out": "sensor=A,B,C,D,E"}, "all 100 trajectories carry"),
+        ({"hold_out": "sensor=A,B,C,D,E"}, "every one of 100 trajectories is held out"),
         ({"name": "../evil"}, "cannot be a file name"),
         ({"name": "a/b"}, "cannot be a file name"),
         ({"name": ""}, "cannot be a file name"),
@@ -270,7 +270,10 @@ def test_a_store_far_away_is_not_split(store):
 
 @pytest.mark.parametrize(
     ("error", "words"),
-    [(OSError(28, "No space left on device"), "No space left on device; expected"), (OSError("odd"), "odd; expected")],
+    [
+        (OSError(28, "No space left on device"), "No space left on device; expected"),
+        (OSError("odd"), "odd; expected"),
+    ],
 )
 def test_a_folder_that_refuses_is_said(store, monkeypatch, error, words):
     """A full disk ends in an error that names the folder, and leaves no half file."""
@@ -279,17 +282,17 @@ def test_a_folder_that_refuses_is_said(store, monkeypatch, error, words):
         raise error
 
     monkeypatch.setattr("tactiledata.splits.manifest.write_atomic", refuse)
-    with pytest.raises(StoreError, match=f"splits: {words}"):
+    with pytest.raises(StoreError, match=f"splits cannot be written: {words}"):
         make_split(store)
 
 
 @pytest.mark.parametrize(
     ("number", "words", "never"),
     [
-        (errno.EROFS, "not writable.*Copy the store", "space"),
-        (errno.EACCES, "not writable.*Copy the store", "space"),
-        (errno.EDQUOT, "Free some space", "writable"),
-        (errno.EIO, "Check the disk", "space"),
+        (errno.EROFS, "Read-only file system.*Copy the store", "room"),
+        (errno.EACCES, "Permission denied.*Copy the store", "room"),
+        (errno.EDQUOT, "Make room there", "Copy the store"),
+        (errno.EIO, "Check the disk", "room"),
     ],
 )
 def test_the_remedy_fits_what_the_system_said(store, monkeypatch, number, words, never):

@@ -5,6 +5,7 @@ import multiprocessing
 import os
 import shutil
 import signal
+import subprocess
 import time
 
 import cv2
@@ -19,11 +20,12 @@ from random_takes import SMALL, staged_take
 from viewed_store import UNSOLVED, attach_planted, planted_pad, read_view
 
 from tactiledata.contract.take import UNUSABLE
-from tactiledata.errors import UnknownName, UsageError
+from tactiledata.errors import StoreError, UnknownName, UsageError
 from tactiledata.store.change.flag import flag_trajectories
 from tactiledata.store.layout.places import MANIFEST
 from tactiledata.store.read.reader import Store
 from tactiledata.store.write.commit import commit_groups, create
+from tactiledata.view import recording
 from tactiledata.view.chosen import thinned
 from tactiledata.view.curves import every_so_many
 from tactiledata.view.options import ViewOptions
@@ -416,3 +418,13 @@ def test_thinned_samples_are_evenly_taken_once(first, stop, most, block):
     assert t_ns.tolist() == list(range(first, stop, step))
     assert values[:, 0].tolist() == (-t_ns).tolist()
     assert len(t_ns) <= most
+
+
+def test_a_message_of_rerun_has_no_colours(tmp_path, monkeypatch):
+    """What rerun says of a failure is told without the codes that colour it on a terminal."""
+    said = "\x1b[2m2026-11-29\x1b[0m \x1b[31mERROR\x1b[0m no room \x1b[1;31mleft\x1b[0m\n"
+    failed = subprocess.CompletedProcess([], 1, "", said)
+    monkeypatch.setattr(recording.subprocess, "run", lambda *given, **options: failed)
+    with pytest.raises(StoreError) as refused:
+        recording._join([], tmp_path / "joined.rrd", tmp_path / "view.rrd")
+    assert refused.value.found.endswith("could not be written: 2026-11-29 ERROR no room left")

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from tactiledata.contract.atomic import FULL
+from tactiledata.contract.atomic import refusal
 from tactiledata.errors import StoreBusy, StoreError
 from tactiledata.store.layout.places import LOCK, STAGING
 
@@ -96,16 +96,10 @@ def waiting_lock(store_path: Path | str, name: str) -> Iterator[None]:
 
 def unwritable(store_path: Path | str, error: OSError) -> StoreError:
     """The error that says why a store could not be written: disk full, read-only, no permission."""
-    full = error.errno in FULL
-    remedy = (
-        "Free some space (or raise the limit) and run the same command again: it goes on where it stopped."
-        if full
-        else "Check that the store is on a writable disk and that you may write there; then run the command again."
-    )
-    place = f" at {error.filename}" if error.filename else ""
+    found, expected, remedy = refusal(error, error.filename or store_path)
     return StoreError(
-        f"the store {store_path} could not be written: {error.strerror or error}{place}",
-        "a folder with free space that may be written",
-        f"{remedy} What was committed before is unharmed.",
+        f"the store {store_path}: {found}",
+        expected,
+        f"{remedy} What was committed before is unharmed, and the same command goes on where it stopped.",
         errno=error.errno,
     )

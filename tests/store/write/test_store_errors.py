@@ -127,7 +127,7 @@ def test_full_disk(tmp_path: Path, limit: int) -> None:
         try:
             commit(tmp_path, [take])
         except StoreError as error:
-            os._exit(3 if "could not be written" in str(error) and "space" in str(error) else 4)
+            os._exit(3 if "cannot be written" in str(error) and "Make room" in str(error) else 4)
         os._exit(5)
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 3
     assert (tmp_path / "manifest.json").read_bytes() == before
@@ -159,7 +159,7 @@ def test_read_only_folder(tmp_path: Path) -> None:
     create(tmp_path / "ds", SMALL)
     (tmp_path / "ds").chmod(0o500)
     try:
-        with pytest.raises(StoreError, match="could not be written"):
+        with pytest.raises(StoreError, match="cannot be written"):
             recover(tmp_path / "ds")
         assert Store.open(tmp_path / "ds").n_frames == 0
     finally:
@@ -171,7 +171,7 @@ def test_lock_that_cannot_be_opened(tmp_path: Path) -> None:
     create(tmp_path, SMALL)
     (tmp_path / ".lock").unlink()
     (tmp_path / ".lock").mkdir()
-    with pytest.raises(StoreError, match="could not be written"):
+    with pytest.raises(StoreError, match="cannot be written"):
         recover(tmp_path)
 
 

@@ -1,0 +1,129 @@
+"""What a command writes replaces what an earlier run wrote, and nothing of others; a link to nothing is called one."""
+
+import struct
+import zlib
+
+import cv2
+import numpy as np
+import pytest
+from bench import command
+
+from tactiledata.contract.own_files import is_ours, marked_png, refuse_foreign
+from tactiledata.errors import UsageError
+
+MATERIAL = ["--youngs-modulus", "9e5", "--poisson-ratio", "0.4", "--friction", "0.6"]
+WRITERS = {
+    "D20001.mcap": ["record", "tiny", "--out", "."],
+    "D20002": ["record", "tiny", "--out", ".", "--format", "folder"],
+    "calibration.json": ["calibrate", "STORE"],
+    "calibration.html": ["calibrate", "STORE"],
+    "report.html": ["report", "STORE", "--out", "."],
+    "recorded.png": ["report", "STORE", "--out", "."],
+    "diagnosis.json": ["diagnose", "STORE", "--out", "."],
+    "replay-low.html": ["replay", "STORE", *MATERIAL, "--out", "."],
+    "touch.rrd": ["view", "STORE", "--out", "touch.rrd"],
+    "made.png": ["transfer", "STORE", "--to", "ycb-sensorA", "--out", "made.zarr"],
+    "tsne.png": ["score", "STORE", "--metric", "tsne", "--out", "."],
+    "scene.png": ["scene", "STORE", "--trajectory", "t00000"],
+    "scene.xml": ["scene", "STORE", "--trajectory", "t00000", "--out", "scene.xml"],
+    "shapes.png": ["indenters", "--picture", "shapes.png"],
+}
+"""A file that each command writes, and the command."""
+LINKED = {
+    "ingest": ["LOG", "--store"],
+    "merge": ["STORE", "--into"],
+    "report": ["STORE", "--out"],
+    "export-data": ["STORE", "--to", "lerobot", "--out"],
+    "record": ["tiny", "--out"],
+    "transfer": ["STORE", "--to", "ycb-sensorA", "--out"],
+    "plant": ["STORE", "--effect", "lag", "--into"],
+}
+
+
+def typed(bench, words):
+    """The words of a command with the bench's store and log in their places."""
+    return [str({"STORE": bench.store, "LOG": bench.log}[word]) if word in ("STORE", "LOG") else word for word in words]
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_what_others_wrote_is_refused_before_any_work(name, bench, capsys):
+    """Exit 2 names the file and says what to do; the file, and all beside it, stay as they are."""
+    words = typed(bench, WRITERS[name])
+    place = bench.folder / name
+    file = place if place.suffix else place / "notes.txt"
+    file.parent.mkdir(exist_ok=True)
+    file.write_text("my own notes on tactiledata\n")
+    before = sorted(path.name for path in bench.folder.iterdir())
+    code, text = command(capsys, *words)
+    flat = " ".join(text.split())
+    assert code == 2, text
+    assert f"{name} is there, and tactiledata did not write it" in flat
+    assert "Move it, or name another place." in flat
+    assert file.read_text() == "my own notes on tactiledata\n"
+    assert sorted(path.name for path in bench.folder.iterdir()) == before
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["D20001.mcap", "D20002", "report.html", "touch.rrd", "scene.png", "scene.xml"])
+def test_what_an_earlier_run_wrote_is_replaced(name, bench, capsys):
+    """Negative control: the same command twice at one place, and once more where an empty file was made for it."""
+    words = typed(bench, WRITERS[name])
+    for _ in range(2):
+        code, text = command(capsys, *words)
+        assert code == 0, text
+    if "." in name:
+        (bench.folder / name).write_bytes(b"")
+        code, text = command(capsys, *words)
+        assert code == 0, text
+        assert is_ours(bench.folder / name)
+        assert (bench.folder / name).stat().st_size > 0
+
+
+def test_a_marked_picture_is_the_same_picture():
+    """The mark is a chunk of its own with a checksum that fits, and pixels do not change."""
+    picture = np.random.default_rng(0).integers(0, 256, (9, 7, 3), np.uint8)
+    content = cv2.imencode(".png", picture)[1].tobytes()
+    marked = marked_png(content)
+    np.testing.assert_array_equal(cv2.imdecode(np.frombuffer(marked, np.uint8), cv2.IMREAD_COLOR), picture)
+    start = marked.index(b"tEXt")
+    (size,) = struct.unpack(">I", marked[start - 4 : start])
+    chunk = marked[start : start + 4 + size]
+    assert marked[start + 4 + size :][:4] == struct.pack(">I", zlib.crc32(chunk))
+    assert marked.replace(marked[start - 4 : start + 8 + size], b"") == content
+
+
+def test_a_mark_across_two_pieces_of_a_file_is_found(tmp_path, monkeypatch):
+    """A large file is read in pieces, and the mark may lie across the end of one."""
+    monkeypatch.setattr("tactiledata.contract.own_files.CHUNK", 7)
+    for start in range(8):
+        path = tmp_path / f"{start}.rrd"
+        path.write_bytes(b"x" * start + b"tactiledata-x")
+        refuse_foreign(path)
+    (tmp_path / "other.rrd").write_bytes(b"tactile" * 9)
+    with pytest.raises(UsageError, match="did not write it"):
+        refuse_foreign(tmp_path / "other.rrd")
+    refuse_foreign(tmp_path / "nothing.rrd")
+
+
+@pytest.mark.parametrize("name", LINKED)
+def test_a_link_to_nothing_is_said_to_be_one(name, bench, capsys):
+    """Neither the disk nor the rights are blamed, and the link stays a link; of a place behind it the same is said."""
+    words = typed(bench, LINKED[name])
+    link = bench.folder / "link"
+    link.symlink_to("gone")
+    for place, said in (("link", "link is a"), ("link/deep", "link/deep is behind link, a")):
+        code, text = command(capsys, name, *words, place)
+        assert code == 2, text
+        assert f"{words[-1]} {said} link that leads to gone, which is not there" in " ".join(text.split())
+    assert link.is_symlink()
+    assert not link.exists()
+
+
+@pytest.mark.slow
+def test_a_link_to_a_folder_is_written_through(bench, capsys):
+    """Negative control: a link to a folder that is there serves as that folder."""
+    (bench.folder / "real").mkdir()
+    (bench.folder / "link").symlink_to("real")
+    code, text = command(capsys, "report", bench.store, "--out", "link")
+    assert code == 0, text
+    assert (bench.folder / "real" / "report.html").is_file()
