@@ -18,7 +18,9 @@ from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say
 from tactiledata.cli.task_options import SCHEDULER, WORKERS
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
 from tactiledata.contract.extras import need_packages
+from tactiledata.contract.own_files import mark_png
 from tactiledata.contract.wording import counted
+from tactiledata.errors import UnknownName
 
 if TYPE_CHECKING:
     from split_models.transfer.methods import TransferMethod
@@ -77,6 +79,7 @@ def transfer(
 
     location = working_store(store)
     require_device(device)
+    _need_method(method)
     with damage_explains(location):
         opened = Store.open(location)
         target = find_target(to, opened)
@@ -97,6 +100,7 @@ def transfer(
         lost = list(touch_findings(kept, way.name.replace("_", "-"), target.name))
         report = replace(report, findings=(*report.findings, *lost))
         picture = write_transfer_picture(opened, Store.open(written), target, way.name, pictured)
+        mark_png(picture)
     if as_json:
         hashes = {"model": getattr(way, "model", ""), "recipe": getattr(way, "recipe", "")}
         simulated = {"simulated_recordings": simulated_recordings(opened).document()}
@@ -141,3 +145,10 @@ def _print_report(report: TransferReport, to: str, way: TransferMethod, location
     say(f"wrote {report.out} and {picture}: look at the picture before you train on them")
     both = f"{quote(str(location))} {quote(str(report.out))} --into with-children/both.zarr"
     say(f"to train on both: tactiledata merge {both}, then split that")
+
+
+def _need_method(method: str | None) -> None:
+    """Refuse a method that is not known, with the names as they are typed."""
+    known = [*LATENT, *PIXEL_TRANSFERS]
+    if method is not None and method.replace("-", "_") not in known:
+        raise UnknownName("transfer method", method, [name.replace("_", "-") for name in known])

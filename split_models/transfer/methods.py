@@ -71,8 +71,7 @@ def transfer_method(name: str, model: Path | None = None, device: str = "cpu") -
     key = name.replace("-", "_")
     if key not in LATENT:
         if key not in PIXEL_TRANSFERS:
-            known = [method.replace("_", "-") for method in (*LATENT, *PIXEL_TRANSFERS)]
-            raise UnknownName("transfer method", name, known)
+            raise UnknownName("transfer method", name, [*LATENT, *PIXEL_TRANSFERS])
         if model is not None:
             latent = ", ".join(method.replace("_", "-") for method in LATENT)
             raise UsageError(

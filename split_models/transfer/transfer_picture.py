@@ -11,7 +11,6 @@ import numpy as np
 from split_models.transfer.transfer_take import PARENT
 from tactiledata.arrays import PictureArray
 from tactiledata.contract.atomic import write_atomic
-from tactiledata.contract.own_files import marked_png
 from tactiledata.report.plots import difference_picture
 from tactiledata.store.read.reader import Store
 from tactiledata.store.read.simulated import simulated_recordings
@@ -65,7 +64,7 @@ def write_transfer_picture(source: Store, made: Store, target: Target, method: s
             ]
         )
     title = simulated_recordings(source).titled(f"Touches in the style of {target.name}, by {method.replace('_', '-')}")
-    encoded = marked_png(cv2.imencode(".png", titled(sheet(rows), title)[..., ::-1])[1].tobytes())
+    encoded = cv2.imencode(".png", titled(sheet(rows), title)[..., ::-1])[1].tobytes()
     path.parent.mkdir(parents=True, exist_ok=True)
     write_atomic(path, encoded)
     return path

@@ -20,7 +20,7 @@ from tactiledata.compute.base import Scheduler
 from tactiledata.contract.progress import Progress
 from tactiledata.contract.provenance import digest_of
 from tactiledata.contract.records import Finding
-from tactiledata.contract.wording import agreeing, counted
+from tactiledata.contract.wording import counted
 from tactiledata.errors import StoreError, UnknownName, UsageError
 from tactiledata.sensors.average_background import refuse_swapped_channels
 from tactiledata.store.change.flag import carry_flags
@@ -236,8 +236,8 @@ def _backgrounds(
     held = store.manifest["references"]
     if lacking := [name for name in named if name not in held]:
         raise StoreError(
-            f"{counted(len(lacking), 'sensor')} of {store.location} {agreeing(len(lacking), 'has', 'have')} no picture "
-            f"without contact: {', '.join(lacking)}",
+            f"{counted(len(lacking), 'sensor')} of {store.location} without a picture without contact: "
+            + ", ".join(lacking),
             "a background for every sensor that is transferred",
             f"`tactiledata sensors add {lacking[0]} --background FILE...`, or name others with --from.",
         )

@@ -12,6 +12,7 @@ from tactiledata.cli.documents import mapping_document
 from tactiledata.cli.given_values import need_writable_folder
 from tactiledata.cli.output import JSON_OPTION, emit, err, findings, plain, say, say_left_alone, table
 from tactiledata.contract.extras import need_packages
+from tactiledata.contract.own_files import mark_png
 from tactiledata.contract.wording import counted
 from tactiledata.errors import TactileDataError, UsageError
 
@@ -65,6 +66,7 @@ def indenters(
         from tactiledata.indenters.gallery import draw_gallery
 
         draw_gallery(picture)
+        mark_png(picture)
     if as_json:
         emit([
             {"shape": name, "title": member.title, "sizes": member.sizes} for name, member in members.items()

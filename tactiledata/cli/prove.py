@@ -22,7 +22,7 @@ from tactiledata.cli.output import JSON_OPTION, emit, progress, say, table
 from tactiledata.cli.task_options import SCHEDULER, WORKERS
 from tactiledata.contract.extras import GEL, PAGE, need_packages
 from tactiledata.contract.wording import counted
-from tactiledata.errors import UsageError
+from tactiledata.errors import UnknownName, UsageError
 
 if TYPE_CHECKING:
     from tactiledata.prove.request import ProofRequest
@@ -204,9 +204,16 @@ def _run(
     from tactiledata.prove.page import write_page
     from tactiledata.prove.run import ProofRun
 
+    if again:
+        _need_cases(folder, again)
     with progress("proving", quiet=as_json) as report_progress:
         tell = (lambda sentence: None) if as_json else say
-        run = ProofRun(folder, request, bank.absolute(), make_scheduler(workers, scheduler), report_progress, tell)
+
+        def report(done: int, total: int, what: str = "") -> None:
+            """Report a step; one that has no name of its own ends in no colon."""
+            report_progress(done, total, what.removesuffix(": "))
+
+        run = ProofRun(folder, request, bank.absolute(), make_scheduler(workers, scheduler), report, tell)
         if seal_only:
             seal = run.run_until_sealed()
         else:
@@ -287,3 +294,19 @@ def print_score(score: Any) -> None:
     table("Targets", ["what", "target", "found", "95 % interval", ""], rows)
     for sentence in score["misses"]:
         say(f"miss: {sentence}")
+
+
+def _need_cases(folder: ProofFolder, names: Sequence[str]) -> None:
+    """Refuse names of which the proof has no case, before anything is played."""
+    from tactiledata.prove.seal.sealing import read_seal
+
+    if not folder.seal.exists():
+        raise UsageError(
+            f"--again, and {folder.path} holds no sealed cases",
+            "a proof whose cases were drawn",
+            "Run the same command without --again first.",
+        )
+    cases = read_seal(folder)["cases"]
+    for name in names:
+        if name not in cases:
+            raise UnknownName("case", name, cases)

@@ -14,8 +14,11 @@ from tactiledata.cli.documents import wrong_document_is_wrong_usage
 from tactiledata.cli.given_values import need_writable_folder
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say
 from tactiledata.cli.task_options import WORKERS
+from tactiledata.contract.atomic import FULL, REFUSED, refusal
 from tactiledata.contract.own_files import refuse_foreign
 from tactiledata.contract.wording import counted
+from tactiledata.contract.worker_pool import need_workers
+from tactiledata.errors import TactileDataError
 
 
 def register(app: typer.Typer) -> None:
@@ -47,11 +50,15 @@ def record(
 
     with wrong_document_is_wrong_usage():
         loaded = load_scenario(find_scenario(scenario))
+    need_workers(workers)
     need_writable_folder(out)
     for name, _ in log_groups(loaded):
         refuse_foreign(out / (f"{name}.mcap" if form == "mcap" else name))
     with progress("recording", quiet=as_json) as report_progress:
-        logs = play(loaded, out, cast("Form", form), report_progress, workers)
+        try:
+            logs = play(loaded, out, cast("Form", form), report_progress, workers)
+        except TactileDataError as error:
+            raise _in_usual_words(error, out) from error
     if as_json:
         simulated = SimulatedCount(simulated=len(logs)).document()
         emit({"logs": [str(log) for log in logs], "truth": str(out / "truth"), "simulated_recordings": simulated})
@@ -62,3 +69,12 @@ def record(
         f"{counted(len(logs), 'log')} of simulated recordings in {out}; the truth is in {out / 'truth'}, "
         "which the toolkit never reads"
     )
+
+
+def _in_usual_words(error: TactileDataError, out: Path) -> TactileDataError:
+    """Return the error of a folder that cannot be written to in the words of all commands; any other as it is."""
+    cause = error.__cause__
+    if not isinstance(cause, OSError) or cause.errno not in (*FULL, *REFUSED):
+        return error
+    found, expected, remedy = refusal(cause, cause.filename or out)
+    return TactileDataError(found, expected, f"{remedy} Logs that are already there are whole.", **error.facts)

@@ -15,6 +15,7 @@ from tactiledata.cli.output import JSON_OPTION, emit, progress, say
 from tactiledata.cli.task_options import SCHEDULER, SIMULATION_WORKERS, workers_of
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
 from tactiledata.contract.extras import GEL, PAGE, need_packages
+from tactiledata.contract.paths import need_file_name
 from tactiledata.contract.wording import agreeing, counted
 from tactiledata.errors import UnknownName, UsageError
 
@@ -106,6 +107,8 @@ def replay(
     from tactiledata.store.read.flags import flagged_trajectories
     from tactiledata.store.read.reader import Store
 
+    if name is not None:
+        need_file_name(name, "mesh", "stiffer")
     options = ReplayOptions(
         material=GelMaterial(**material),
         resolution=resolution,  # type: ignore[arg-type]

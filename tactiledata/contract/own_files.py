@@ -6,6 +6,7 @@ import struct
 import zlib
 from pathlib import Path
 
+from tactiledata.contract.atomic import write_atomic
 from tactiledata.errors import UsageError
 
 MARKS = {
@@ -72,6 +73,11 @@ def marked_png(content: bytes) -> bytes:
     text = b"tEXt" + MARKS[".png"]
     chunk = struct.pack(">I", len(text) - 4) + text + struct.pack(">I", zlib.crc32(text))
     return content[:_HEADER] + chunk + content[_HEADER:]
+
+
+def mark_png(path: Path) -> None:
+    """Give the mark of this program to a PNG that a part of it wrote without."""
+    write_atomic(path, marked_png(path.read_bytes()))
 
 
 def _holds(path: Path, mark: bytes) -> bool:

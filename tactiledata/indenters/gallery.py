@@ -68,7 +68,7 @@ def draw_gallery(path: Path, solids: Mapping[str, Indenter] | None = None) -> No
     )
     scale.set_label("rigid footprint of a 1 mm press: depth [mm] over x, y [mm]", fontsize=8)
     scale.ax.tick_params(labelsize=7)
-    figure.savefig(path, metadata={"Software": "tactiledata"})
+    figure.savefig(path, metadata={"Software": None})
 
 
 def _write_caption(axes: Axes, name: str, solid: Indenter) -> None:

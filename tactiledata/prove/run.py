@@ -11,7 +11,7 @@ from tactiledata.compute.base import Scheduler
 from tactiledata.compute.local import LocalScheduler
 from tactiledata.contract.atomic import write_json_atomic
 from tactiledata.contract.progress import Progress, no_progress
-from tactiledata.errors import TactileDataError, UnknownName, UsageError
+from tactiledata.errors import TactileDataError, UsageError
 from tactiledata.prove.answers.tasks import AnswerTask, DrawTask, SolveTask, answer, draw, solve
 from tactiledata.prove.request import ProofRequest
 from tactiledata.prove.score.score import score_of
@@ -58,8 +58,6 @@ class ProofRun:
         again : sequence of str
             Names of cases that are diagnosed once more; the earlier answers stay, and are listed.
         """
-        if again:
-            self._need_cases(again)
         self.ask()
         with writing_lock(self.folder.path):
             self.play()
@@ -102,9 +100,7 @@ class ProofRun:
         for name in self.request.plans:
             PlayedPlan.of(
                 named_plan(name), self.bank, self.request.with_variants, runner=self.runner,
-                progress=lambda done, total, what="", plan=name: self.report_progress(
-                    done, total, f"{plan}: {what}" if what else plan
-                ),
+                progress=lambda done, total, what="", plan=name: self.report_progress(done, total, f"{plan}: {what}"),
             )  # fmt: skip
 
     def solve(self) -> None:
@@ -149,6 +145,9 @@ class ProofRun:
 
     def answer(self, seal: Mapping[str, Any], again: Sequence[str] = ()) -> None:
         """Diagnose every case that has no answer yet, and those that are asked for again."""
+        unknown = set(again) - set(seal["cases"])
+        if unknown:
+            raise UsageError(f"no case is called {sorted(unknown)[0]!r}", "a name in seal.json")
         todo = [name for name in sorted(seal["cases"]) if name in again or not self.folder.answers_of(name)]
         # plan by plan: a process keeps the plays of a plan
         todo.sort(key=lambda name: seal["cases"][name]["plan"])
@@ -158,19 +157,6 @@ class ProofRun:
             said = ", ".join(one["set"]) or "no name"
             self.tell(f"{one['case']}: {one['verdict']}: {said} ({one['seconds']:.0f} s)")
             self.report_progress(number, len(tasks), "diagnosing cases")
-
-    def _need_cases(self, names: Sequence[str]) -> None:
-        """Refuse names of which the proof has no case, before anything is played."""
-        if not self.folder.seal.exists():
-            raise UsageError(
-                f"--again, and {self.folder.path} holds no sealed cases",
-                "a proof whose cases were drawn",
-                "Run the same command without --again first.",
-            )
-        cases = read_seal(self.folder)["cases"]
-        for name in names:
-            if name not in cases:
-                raise UnknownName("case", name, cases)
 
     def _task(self, seal: Mapping[str, Any], name: str) -> AnswerTask:
         """Return the task of diagnosing a case."""

@@ -8,7 +8,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from tactiledata.contract.paths import need_file_name
 from tactiledata.contract.provenance import digest_of
 from tactiledata.effects.simulate.setting import EffectSetting, in_order
 from tactiledata.gel.contact.recorder import Keep
@@ -56,10 +55,6 @@ class ReplayOptions:
     name: str | None = None
     make_pad: MakePad | None = None
     effects: tuple[EffectSetting, ...] = ()
-
-    def __post_init__(self) -> None:
-        if self.name is not None:
-            need_file_name(self.name, "mesh", "stiffer")
 
     @property
     def mesh_name(self) -> str:

@@ -11,9 +11,9 @@ from pathlib import Path
 from queue import Empty, Queue
 from typing import Literal
 
-from tactiledata.contract.atomic import FULL, REFUSED, refusal
+from tactiledata.contract.atomic import FULL, REFUSED
 from tactiledata.contract.progress import Progress
-from tactiledata.contract.worker_pool import need_workers, shared_queue, worker_died, worker_pool
+from tactiledata.contract.worker_pool import shared_queue, worker_died, worker_pool
 from tactiledata.errors import SchemaError, TactileDataError, UnknownName, UsageError
 from tactiledata.rig.logs.sampling import sample
 from tactiledata.rig.logs.truth import write_truth
@@ -59,8 +59,8 @@ def record(
 
     Raises
     ------
-    UnknownName, UsageError
-        The form is unknown, or there are fewer than one worker.
+    UnknownName
+        The form is unknown.
     SchemaError, MissingFile, UnsafeContent
         An indenter or a background cannot be used, or names collide.
     UsageError
@@ -70,7 +70,6 @@ def record(
     """
     if form not in ("mcap", "folder"):
         raise UnknownName("form of a log", form, ("folder", "mcap"))
-    need_workers(workers)
     groups = log_groups(scenario)
     counts = _Counts(progress, [len(group) for _, group in groups])
     written: list[Path] = []
@@ -88,11 +87,10 @@ def record(
         if isinstance(error, TactileDataError):
             raise
         kind = TactileDataError if error.errno in (*FULL, *REFUSED) else UsageError
-        found, expected, remedy = refusal(error, error.filename or out)
         raise kind(
-            found,
-            expected if kind is TactileDataError else "a folder to write to, and names that its file system takes",
-            f"{remedy} Logs that are already there are whole.",
+            f"{error.filename or out} cannot be written: {error.strerror}",
+            "a folder to write to, with room in it and names that its file system takes",
+            "Make room, or name another folder with --out. Logs that are already there are whole.",
             written=[str(path) for path in written],
         ) from error
     return written
