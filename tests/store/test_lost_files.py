@@ -100,7 +100,7 @@ def test_a_lost_file_is_no_store_that_cannot_be_written(tmp_path):
     with pytest.raises(LostFile) as caught, store_errors(tmp_path):
         raise lost
     assert caught.value is lost
-    with pytest.raises(StoreError, match="could not be written"), store_errors(tmp_path):
+    with pytest.raises(StoreError, match="cannot be written"), store_errors(tmp_path):
         raise OSError(28, "No space left on device")
 
 
