@@ -8,6 +8,8 @@ from tactiledata.errors import NotFetched, TactileDataError
 
 START = b"version https://git-lfs.github.com/spec/v1"
 """How a pointer begins."""
+POINTER_WORDS = "is a Git LFS pointer"
+"""What every message about a pointer says."""
 
 
 def is_lfs_pointer(path: Path) -> bool:
@@ -49,7 +51,7 @@ def not_fetched(name: str, others: int = 0) -> NotFetched:
     """The error for a file that is a Git LFS pointer, and for how many others with it."""
     more = f" (and {others} more)" if others else ""
     return NotFetched(
-        f"{name}{more} is a Git LFS pointer, not the file",
+        f"{name}{more} {POINTER_WORDS}, not the file",
         "the file itself",
         "`git lfs pull` in the repository fetches it.",
         file=name,

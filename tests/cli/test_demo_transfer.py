@@ -98,7 +98,7 @@ def test_a_store_without_backgrounds_leaves_it_out(tmp_path, tiny_world, command
     lines = []
     assert transfer_touches(commands, store, tmp_path / "demo", tiny_world, lines.append) == (None, None)
     assert "left out: 1 sensor" in lines[-1]
-    assert "has no picture without contact" in lines[-1]
+    assert "without a picture without contact" in lines[-1]
 
 
 def test_figures_are_printed_with_their_intervals():

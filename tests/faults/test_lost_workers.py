@@ -162,7 +162,7 @@ def test_record_says_so_and_goes_on(tmp_path):
     def kill(done, total):
         # the other process that was started keeps the queue of counts
         for process in multiprocessing.active_children():
-            if process.name.startswith("SpawnProcess") and not killed:
+            if process.name.startswith("StartedWorker") and not killed:
                 killed.append(process.pid)
                 os.kill(process.pid, signal.SIGKILL)
 

@@ -308,11 +308,12 @@ def diagnose_store(folder: Path) -> None:
         "notes": [],
         "next_trials": {"proposals": [trial]},
         "source": {"groups": 8, "rows": 80},
+        "provenance": {"tool": "tactiledata"},
     }
     diagnosing.diagnose_store = diagnosed
     documents.store_document = lambda done: document
-    documents.effects_file = lambda done, document: {"effects": []}
-    documents.naming_page = lambda *parts, **more: "<html></html>"
+    documents.effects_file = lambda done, document: {"effects": [], "provenance": {"tool": "tactiledata"}}
+    documents.naming_page = lambda *parts, **more: '<meta name="generator" content="tactiledata">'
     documents._further = documents._sensor_sentences = lambda done: []
     documents.other_steps_section = lambda *parts: None
     command("diagnose", folder / "ds.zarr", "--out", folder / "diagnosis", "--json")

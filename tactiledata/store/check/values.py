@@ -8,7 +8,7 @@ from dataclasses import replace
 import google_crc32c
 import numpy as np
 
-from tactiledata.contract.lfs_pointer import without_remedy
+from tactiledata.contract.lfs_pointer import POINTER_WORDS, without_remedy
 from tactiledata.contract.records import Finding
 from tactiledata.errors import TactileDataError
 from tactiledata.store.check.lost_files import ingest_again
@@ -57,7 +57,11 @@ def remedied_value_findings(store: Store, said: Callable[[str], None]) -> list[F
     """
     found = list(_by_recording(store, said, lambda path: True))
     remedy = ingest_again(store.location, list(dict.fromkeys(key for key, _ in found)))
-    return [replace(finding, message=f"{finding.message}; {remedy}") for _, finding in found]
+    # of a pointer another finding says what fetches the file
+    return [
+        finding if POINTER_WORDS in finding.message else replace(finding, message=f"{finding.message}; {remedy}")
+        for _, finding in found
+    ]
 
 
 def _by_recording(
