@@ -30,9 +30,14 @@ MODEL = typer.Option(None, "--model", help="Checkpoint of an image VAE [default:
 OUT = typer.Option(None, "--out", help="Store to write [default: transferred/STORE-TARGET-METHOD.zarr].")
 
 
+def _typed_methods() -> list[str]:
+    """Return the names of all methods as they are typed, those by a model first."""
+    return [name.replace("_", "-") for name in (*LATENT, *PIXEL_TRANSFERS)]
+
+
 def method_help() -> str:
     """Return the help of ``--method``: the names of all methods as they are typed, those by a model first."""
-    *names, last = (name.replace("_", "-") for name in (*LATENT, *PIXEL_TRANSFERS))
+    *names, last = _typed_methods()
     return (
         f"{', '.join(names)} or {last} [default: latent-relit where the model draws the store's own touches, else "
         "relit]."
@@ -149,6 +154,6 @@ def _print_report(report: TransferReport, to: str, way: TransferMethod, location
 
 def _need_method(method: str | None) -> None:
     """Refuse a method that is not known, with the names as they are typed."""
-    known = [*LATENT, *PIXEL_TRANSFERS]
-    if method is not None and method.replace("-", "_") not in known:
-        raise UnknownName("transfer method", method, [name.replace("_", "-") for name in known])
+    known = _typed_methods()
+    if method is not None and method.replace("_", "-") not in known:
+        raise UnknownName("transfer method", method, known)

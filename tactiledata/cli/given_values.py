@@ -17,7 +17,7 @@ import typer
 from typer.core import TyperCommand
 
 from tactiledata.contract.atomic import refusal
-from tactiledata.contract.near_path import near_path
+from tactiledata.contract.near_path import dead_link, near_path
 from tactiledata.contract.own_files import refuse_foreign
 from tactiledata.errors import TactileDataError, UsageError
 
@@ -230,7 +230,7 @@ def need_local_place(place: str, option: str) -> None:
 def _refuse_dangling(path: Path, named: str) -> None:
     """Refuse a path that is a link to nothing, or that leads through one."""
     for link in (path, *path.parents):
-        if link.is_symlink() and not link.exists():
+        if dead_link(link):
             behind = "" if link == path else f"behind {link}, "
             raise UsageError(
                 f"{named} is {behind}a link that leads to {link.readlink()}, which is not there",

@@ -18,7 +18,7 @@ SEEDS_TRIED = 64
 NAMED = 3
 """Seeds that are named, the nearest first."""
 MANY_GROUPS = 1000
-"""With more groups than these, chance hardly leaves a part empty or astray, and no seed is looked for."""
+"""Number of groups above which no seed is looked for: of so many, chance hardly leaves a part empty."""
 ASTRAY = 0.05
 """How far a part's share may be from what was asked for before a note says so."""
 

@@ -12,7 +12,7 @@ PAPER = BOUNDS["paper"]
 
 
 def calibration(loss="vector", vector=(9.0, 2.0), norm=(1.0, 0.5), reach=((0.9e6, 0.95e6), (0.46, 0.48), (0.6, 0.7))):
-    """As little of a calibration as the tables read; ``reach`` is the interval with simulation error."""
+    """Return a stand-in with what tables read of a calibration; ``reach`` holds the ends of both intervals."""
     losses = {
         "vector": SimpleNamespace(start=vector[0], fitted=vector[1]),
         "norm": SimpleNamespace(start=norm[0], fitted=norm[1]),

@@ -79,7 +79,7 @@ def test_progress_is_told_of_every_source():
 
 
 def test_progress_never_says_more_than_the_store_holds(tmp_path, monkeypatch):
-    """At every moment the store has at least as many recordings as were said to be stored, and in the end all."""
+    """Each number of stored recordings that progress tells is the number that the store holds at that moment."""
     monkeypatch.setattr(commit, "GROUP_TAKES", 2)
     for number in range(5):
         picture_folder(tmp_path / "in" / f"run{number}", count=2 + number)

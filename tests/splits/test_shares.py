@@ -35,7 +35,7 @@ def fixed_draw(monkeypatch, draws):
 
 @pytest.mark.parametrize("n", [6, 10, 40])
 def test_the_nearest_of_the_seeds_that_fill_every_part_are_named(n):
-    """Of seeds 0 to 63, the three nearest to the shares among those that fill every part, nearest first."""
+    """The three seeds that are named fill every part, and no other of the seeds 0 to 63 comes nearer to the shares."""
     sizes = {f"{k:016x}": 1 for k in range(n)}
     filling = [seed for seed in range(64) if min(shares_with(sizes, THIRDS, seed)) > 0]
     assert len(filling) > 3

@@ -27,9 +27,7 @@ BLOCK_ROWS = 65_536
 
 
 def value_findings(
-    store: Store,
-    said: Callable[[str], None],
-    is_asked: Callable[[str], bool] = lambda path: True,
+    store: Store, said: Callable[[str], None], is_asked: Callable[[str], bool] = lambda path: True
 ) -> list[Finding]:
     """Numbers that are not those of their sources, and times that run backwards.
 

@@ -76,7 +76,7 @@ def test_recordings_alike_give_the_draft_of_one(tmp_path, capsys):
 
 @pytest.mark.parametrize("form", ["yaml", "json"])
 def test_a_camera_of_several_topics_is_one(tmp_path, capsys, form):
-    """Where each recording has one camera, its topic differing by the serial, the store has one stream of them."""
+    """Recordings with one camera each, whose topics differ by the sensor's serial, become one stream of the store."""
     for number in (1, 2):
         recorded(tmp_path / f"run{number}.mcap", "/lab/force", cameras=(f"/digit/D2000{number}/image",))
     text = run_command(capsys, "inspect", tmp_path, "--suggest-mapping", *["--json"] * (form == "json"))[1]

@@ -309,7 +309,7 @@ def test_a_damaged_description_or_background_is_said(tmp_path):
 @pytest.mark.parametrize("has_summary", [True, False])
 @pytest.mark.parametrize("is_harmed", [True, False])
 def test_two_recordings_in_a_row_are_not_taken_for_one(recordings, tmp_path, has_summary, is_harmed):
-    """Of joined files the first is read; the other is told, with the commands that take the two apart."""
+    """Of two MCAP files that were joined, the first is read, and a finding gives the commands that part them."""
     content, _ = recordings["zstd"]
     other = recordings["lz4"][0] if has_summary else without_summary(tmp_path)
     offset, length = chunk_places(content)[70]

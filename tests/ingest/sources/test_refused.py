@@ -62,7 +62,7 @@ def test_a_folder_that_is_refused_is_named_itself(logs, tmp_path, monkeypatch):
 
 
 def test_a_folder_that_is_named_and_refused_is_an_error(tmp_path, monkeypatch):
-    """Nothing else is there to go on with."""
+    """A folder that a user names, and that cannot be listed, is an error: there is nothing else to read."""
     (tmp_path / "shut").mkdir()
     shut(monkeypatch, "shut", "iterdir")
     with pytest.raises(BrokenLog, match="shut cannot be read"):
@@ -70,7 +70,7 @@ def test_a_folder_that_is_named_and_refused_is_an_error(tmp_path, monkeypatch):
 
 
 def test_a_folder_of_recordings_is_whole(logs, tmp_path):
-    """Nothing is refused where nothing is shut: other files are left, and that is no damage."""
+    """Files of no known format in folders that can be read are listed as left, without a finding of damage."""
     (logs / "sub").mkdir()
     (logs / "sub" / "notes.txt").write_text("pressed it")
     report = ingest([logs], tmp_path / "ds.zarr")
