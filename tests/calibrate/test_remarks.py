@@ -163,8 +163,8 @@ def test_forces_of_all_indenters_off_alike_do_not_blame_their_sizes(world):
     def shape(**factors):
         return by_code(remarks(replace(found, shape_factors=factors), WIDE, 4e-5, {}, True, 0.03))["calibration-shape"]
 
-    assert shape(ball=1.12, dome=1.15).endswith("E is held by a bound, or physics is missing")
-    assert shape(ball=0.88, dome=0.85).endswith("E is held by a bound, or physics is missing")
+    assert shape(ball=1.12, dome=1.15).rstrip().endswith("or physics is missing")
+    assert shape(ball=0.88, dome=0.85).rstrip().endswith("or physics is missing")
     for other in ({"ball": 1.12, "dome": 0.85}, {"ball": 1.12, "dome": 1.01}, {"ball": 1.12}):
         assert "may not be as stated" in shape(**other)
         assert "bound" not in shape(**other)
