@@ -72,6 +72,7 @@ def calibrate(
     from tactiledata.calibrate.page import calibration_page
     from tactiledata.contract.atomic import write_atomic
     from tactiledata.errors import UsageError
+    from tactiledata.ingest.checks.twins import need_touches_once
     from tactiledata.store.read.reader import Store
 
     if out.suffix != ".json":
@@ -100,7 +101,9 @@ def calibrate(
     )
     location = working_store(store)
     with damage_explains(location), progress("trying nu and mu", quiet=as_json) as report_progress:
-        calibration = run(Store.open(location), options, report_progress)
+        opened = Store.open(location)
+        need_touches_once(opened, sensor)
+        calibration = run(opened, options, report_progress)
     # write and print
     document = write_calibration(calibration, out)
     page = out.with_suffix(".html")

@@ -153,9 +153,12 @@ def _store(
     from tactiledata.diagnose.answer.documents import store_document, write_store_diagnosis
     from tactiledata.diagnose.answer.other_steps import material_of_calibration
     from tactiledata.diagnose.store import diagnose_store
+    from tactiledata.ingest.checks.twins import need_touches_once
     from tactiledata.store.read.reader import Store
 
     with damage_explains(location), progress("diagnosing", quiet=quiet) as report_progress:
+        store = Store.open(location)
+        need_touches_once(store, options.sensor)
         # one bar for both: the simulations, whose number becomes known, and about STEPS steps after them
         steps: list[str] = []
         plays = [1]
@@ -180,7 +183,7 @@ def _store(
             if not quiet:
                 err().print(plain(words))
 
-        diagnosis = diagnose_store(Store.open(location), options, report_play, report_step, tell, tell_preview)
+        diagnosis = diagnose_store(store, options, report_play, report_step, tell, tell_preview)
         report_progress(plays[0] + STEPS, plays[0] + STEPS, "done")
     if calibrated is not None:
         stated = material_of_calibration(*calibrated)

@@ -9,6 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 
 from tactiledata.contract.records import Finding
+from tactiledata.contract.wording import counted
+from tactiledata.errors import TactileDataError
+from tactiledata.store.read.flags import flagged_trajectories
 from tactiledata.store.read.reader import Store
 
 ABSOLUTE = 10**18
@@ -35,6 +38,38 @@ def twin_findings(store: Store, digests: Iterable[str]) -> dict[str, Finding]:
         if sources[row]["sha256"] in asked:
             found[sources[row]["sha256"]] = twin_finding([source["key"] for source in sources], others)
     return found
+
+
+def need_touches_once(store: Store, sensor: str | None = None) -> None:
+    """Refuse a store in which a touch that is not flagged lies in two recordings.
+
+    A fit would count such a touch twice, and hold one of the two out while it fits the other.
+
+    Parameters
+    ----------
+    store : Store
+    sensor : str, optional
+        Name of the only sensor whose touches are asked for; all sensors where ``None``.
+
+    Raises
+    ------
+    TactileDataError
+        Two recordings hold the same touches.
+    """
+    flagged = flagged_trajectories(store)
+    touches = store.trajectories(["uid", "source", "sensor", "start_ns", "end_ns", "parent"]).to_pylist()
+    pairs = overlaps(touch for touch in touches if touch["uid"] not in flagged and sensor in (None, touch["sensor"]))
+    if not pairs:
+        return
+    keys = store.sources(["key"])["key"].to_pylist()
+    one, others = min(pairs.items())
+    copy = keys[max(others)]
+    raise TactileDataError(
+        f"{store.location}: {counted(others[max(others)], 'trajectory')} of {copy} at the same time as those of"
+        f" {keys[one]}, by one sensor: one recording is a copy of the other",
+        "each touch once: a fit counts a copy twice, and holds out what it also fits",
+        f"Flag one of them: tactiledata flag {store.location} {copy} --reason 'a copy'",
+    )
 
 
 def twin_finding(keys: Sequence[str], others: Mapping[int, int]) -> Finding:

@@ -2,9 +2,14 @@
 
 import pytest
 from copied_trees import copy_tree
+from typer.testing import CliRunner
 
-from tactiledata.ingest.checks.twins import ABSOLUTE, overlaps
+from tactiledata.cli.main import app
+from tactiledata.errors import TactileDataError
+from tactiledata.ingest.checks.twins import ABSOLUTE, need_touches_once, overlaps
 from tactiledata.ingest.pipeline import ingest
+from tactiledata.store.change.flag import flag_trajectories
+from tactiledata.store.read.reader import Store
 
 
 def touch(source, start, end, sensor="D20542", parent="", origin=ABSOLUTE):
@@ -81,3 +86,30 @@ def test_a_copy_that_replaces_its_origin_has_no_twin(tiny_folders, tmp_path):
         [source] = ingest([log], tmp_path / store, replace=replace).sources
         assert source.state == ("replaced" if replace else "added")
         assert [finding.code for finding in source.findings].count("recording-twin") == twins
+
+
+@pytest.mark.slow
+def test_a_fit_refuses_touches_that_two_recordings_hold(tiny_folders, tmp_path):
+    """Calibration and diagnosis refuse a copied recording, and name it; flagged, or alone, it is no obstacle."""
+    place = tmp_path / "ds.zarr"
+    ingest(tiny_folders, place)
+    need_touches_once(Store.open(place))
+    copy = tmp_path / "copy"
+    copy_tree(tiny_folders[0], copy)
+    with (copy / "log.yaml").open("a") as stream:
+        stream.write("\n# edited\n")
+    ingest([copy], place)
+    with pytest.raises(TactileDataError, match=f"2 trajectories of copy .* {tiny_folders[0].name}.*flag .* copy"):
+        need_touches_once(Store.open(place))
+    for command in ("calibrate", "diagnose"):
+        refused = CliRunner().invoke(app, [command, str(place), "--out", str(tmp_path / "out.json")]).exception
+        assert isinstance(refused, TactileDataError)
+        assert "one recording is a copy of the other" in refused.found
+    store = Store.open(place)
+    sensor = store.trajectories(["sensor"])["sensor"].to_pylist()[0]
+    need_touches_once(store, "another sensor")
+    with pytest.raises(TactileDataError):
+        need_touches_once(store, sensor)
+    copied = [row["uid"] for row in store.trajectories(["uid", "source"]).to_pylist() if row["source"] == 2]
+    flag_trajectories(str(place), copied, "a copy")
+    need_touches_once(Store.open(place))
