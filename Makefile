@@ -11,7 +11,7 @@ PIP_FLAGS ?=
 # hundreds of processes import the same modules: compiled ones are kept, whatever the shell says
 export PYTHONDONTWRITEBYTECODE =
 
-.PHONY: help demo test quick check bench site mutants fuzz nightly owners wheel-test clean
+.PHONY: help demo test quick check bench site release-notes mutants fuzz nightly owners wheel-test clean
 
 help:            ## this list
 	@grep -hE '^[a-z-]+: .*##|^[a-z-]+:  *##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
@@ -51,6 +51,10 @@ bench: $(INSTALLED)  ## benchmarks: ours and the alternatives side by side
 
 site: $(INSTALLED)   ## the documentation as a site, in site/
 	$(BIN)/mkdocs build --strict
+
+release-notes: $(INSTALLED) ## gather the fragments of changes/ into CHANGELOG.md: make release-notes VERSION=0.2.0
+	$(if $(VERSION),,$(error say which release: make release-notes VERSION=0.2.0))
+	$(BIN)/towncrier build --yes --version $(VERSION)
 
 # SAMPLE=0 takes every place; what was measured is kept in .mutants, so that a run can be stopped and taken up again
 mutants: $(INSTALLED) ## the mutation score of a sample, and the changes that no fast test notices (long)
