@@ -21,11 +21,11 @@ from tactiledata.contract.schema import check_document
 from tactiledata.contract.take import FrameFlag, Take, findings_of, findings_table
 from tactiledata.errors import BrokenLog, MissingFile, StoreError
 from tactiledata.formats import FORMATS
+from tactiledata.ingest.checks.beside import findings_beside
 from tactiledata.ingest.checks.blank_images import blank_images
 from tactiledata.ingest.checks.checks import broken_images, check_take, flag_images
 from tactiledata.ingest.checks.conflicts import conflict_findings
 from tactiledata.ingest.checks.spooled import SpooledImages
-from tactiledata.ingest.checks.twins import twin_findings
 from tactiledata.ingest.clocks.lag import camera_lag
 from tactiledata.ingest.sources.discover import find_sources, unclaimed_findings
 from tactiledata.ingest.sources.refused import refusals_told
@@ -130,15 +130,18 @@ def ingest(
 
 
 def _compared(reports: list[SourceReport], folder: Path) -> list[SourceReport]:
-    """Reports, each with what its recording contradicts in the store, and with its twin there, where it has one."""
+    """Reports, each with what its recording contradicts in the store, and with what it is beside the others there."""
     store = Store.open(folder)
-    twins = twin_findings(store, [report.sha256 for report in reports])
+    digests = store.sources(["sha256"])["sha256"].to_pylist()
+    beside = {digests[row]: found for row, found in findings_beside(store).items()}
     conflicts = conflict_findings(store, {report.sha256 for report in reports if report.state in ("added", "replaced")})
-    compared = []
-    for report in reports:
-        said = [*conflicts.get(report.sha256, ()), *([twins[report.sha256]] if report.sha256 in twins else [])]
-        compared.append(dataclasses.replace(report, findings=(*report.findings, *said)))
-    return compared
+    return [
+        dataclasses.replace(
+            report,
+            findings=(*report.findings, *conflicts.get(report.sha256, ()), *beside.get(report.sha256, ())),
+        )
+        for report in reports
+    ]
 
 
 class _Watch:

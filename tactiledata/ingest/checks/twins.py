@@ -17,24 +17,11 @@ ABSOLUTE = 10**18
 Pairs = dict[int, dict[int, int]]
 
 
-def twin_findings(store: Store, digests: Iterable[str]) -> dict[str, Finding]:
-    """A finding for each of these sources that has a twin in the store.
-
-    Parameters
-    ----------
-    store : Store
-    digests : iterable of str
-        SHA-256 of the sources that are asked for; those that the store does not hold are left out.
-    """
-    sources = store.sources(["sha256", "key"]).to_pylist()
+def twins_of_store(store: Store) -> dict[int, Finding]:
+    """A finding for each recording of a store that has a twin there, by its row of the table of sources."""
+    keys = store.sources(["key"])["key"].to_pylist()
     touches = store.trajectories(["source", "sensor", "start_ns", "end_ns", "parent"]).to_pylist()
-    pairs = overlaps(touches)
-    asked = set(digests)
-    found = {}
-    for row, others in sorted(pairs.items()):
-        if sources[row]["sha256"] in asked:
-            found[sources[row]["sha256"]] = twin_finding([source["key"] for source in sources], others)
-    return found
+    return {row: twin_finding(keys, others) for row, others in sorted(overlaps(touches).items())}
 
 
 def twin_finding(keys: Sequence[str], others: Mapping[int, int]) -> Finding:

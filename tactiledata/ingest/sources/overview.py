@@ -11,8 +11,9 @@ import numpy as np
 
 from tactiledata import __version__
 from tactiledata.contract.atomic import write_atomic
-from tactiledata.contract.take import UNUSABLE, findings_of
-from tactiledata.contract.wording import counted
+from tactiledata.contract.take import UNUSABLE
+from tactiledata.contract.wording import counted, listed
+from tactiledata.ingest.checks.beside import all_findings
 from tactiledata.ingest.sources.first_program import first_program
 from tactiledata.report.page import Picture, Section, render_page
 from tactiledata.report.panels import panels_of
@@ -33,6 +34,8 @@ if TYPE_CHECKING:
 MAX_TOUCHES = 6
 MOST_FLAGS = 60
 """Flagged trajectories that the page lists."""
+MOST_NAMED = 6
+"""Recordings that the page names of each camera."""
 WORST_FIRST = {"damage": 0, "warning": 1, "info": 2}
 
 
@@ -158,6 +161,7 @@ def page(store: Store, picture: Picture | None, split: str, further: Sequence[Se
     sections = [
         _recorded(picture),
         _counts(facts),
+        _cameras(facts),
         _signals(facts),
         _findings(store),
         _flagged(store),
@@ -198,6 +202,11 @@ def _counts(facts: dict) -> Section:
     return Section("Sensors and indenters", columns=("", "name", "trajectories", "images"), rows=rows)
 
 
+def _cameras(facts: dict) -> Section | None:
+    rows = [(name, row["frames"], listed(row["recordings"], MOST_NAMED)) for name, row in facts["by_camera"].items()]
+    return Section("Cameras", columns=("camera", "images", "recordings"), rows=rows) if rows else None
+
+
 def _signals(facts: dict) -> Section | None:
     rows = [
         (
@@ -216,9 +225,7 @@ def _signals(facts: dict) -> Section | None:
 
 def _findings(store: Store) -> Section:
     keys = store.sources(["key"])["key"].to_pylist()
-    table = store.findings()
-    found = zip(table["source"].to_pylist(), findings_of(table), strict=True)
-    ranked = sorted(found, key=lambda item: (WORST_FIRST[item[1].severity], item[1].code, item[0]))
+    ranked = sorted(all_findings(store), key=lambda item: (WORST_FIRST[item[1].severity], item[1].code, item[0]))
     sentences: list[tuple[str, str]] = [
         (finding.severity, f"{finding.severity}: {keys[source]}: {finding.message} [{finding.code}]")
         for source, finding in ranked[:60]

@@ -6,7 +6,7 @@ from test_twins import touch
 from tactiledata.contract.records import Finding
 from tactiledata.contract.take import findings_table
 from tactiledata.ingest.checks.conflicts import conflict_findings
-from tactiledata.ingest.checks.twins import ABSOLUTE, overlaps, twin_findings
+from tactiledata.ingest.checks.twins import ABSOLUTE, overlaps, twins_of_store
 
 
 class Tables:
@@ -35,13 +35,13 @@ class Tables:
 def test_three_twins_are_named_and_the_others_counted():
     """Three twins are named with how many touches they share, in the order of the store."""
     five = Tables(5, [touch(source, 0, 10) for source in (0, 0, 1, 2, 3, 4, 4)])
-    found = twin_findings(five, ["s0", "elsewhere"])
-    assert list(found) == ["s0"]
-    assert (found["s0"].code, found["s0"].severity, found["s0"].count) == ("recording-twin", "warning", 8)
-    assert "too: log1 (2), log2 (2), log3 (2) and 1 more recordings. One may" in found["s0"].message
+    found = twins_of_store(five)
+    assert list(found) == [0, 1, 2, 3, 4]
+    assert (found[0].code, found[0].severity, found[0].count) == ("recording-twin", "warning", 8)
+    assert "too: log1 (2), log2 (2), log3 (2) and 1 more recordings. One may" in found[0].message
     four = Tables(4, [touch(source, 0, 10) for source in range(4)])
-    assert "too: log0 (1), log1 (1), log3 (1). One may" in twin_findings(four, ["s2"])["s2"].message
-    assert twin_findings(four, []) == {}
+    assert "too: log0 (1), log1 (1), log3 (1). One may" in twins_of_store(four)[2].message
+    assert twins_of_store(Tables(2, [touch(0, 0, 10), touch(1, 20, 30)])) == {}
 
 
 def test_a_touch_that_overlaps_several_counts_once():
