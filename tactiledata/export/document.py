@@ -46,13 +46,15 @@ def export_document(
         What was noted of each large file.
     """
     store = episodes.store
-    missing: dict[str, int] = {}
+    missing: dict[str, dict[str, int]] = {}
     remade = undescribed = 0
     for noted in facts:
         remade += noted.get("remade", 0)
         undescribed += noted.get("undescribed", 0)
-        for name, count in noted.get("missing", {}).items():
-            missing[name] = missing.get(name, 0) + count
+        for name, of_parts in noted.get("missing", {}).items():
+            known = missing.setdefault(name, {})
+            for part, count in of_parts.items():
+                known[part] = known.get(part, 0) + count
     inputs = {"store": store.digest, **({} if split is None else {"split": digest_of(split)})}
     return {
         "format": FORMAT,
@@ -86,14 +88,17 @@ def _parts(episodes: Episodes) -> dict[str, dict[str, int]]:
     return counts
 
 
-def _streams(exporter: Exporter, episodes: Episodes, missing: Mapping[str, int]) -> dict[str, dict[str, Any]]:
+def _streams(
+    exporter: Exporter, episodes: Episodes, missing: Mapping[str, Mapping[str, int]]
+) -> dict[str, dict[str, Any]]:
     """Return name, columns, units, frame and meaning of each stream as it is kept."""
     store = episodes.store
     found = {}
     for stream in exported_streams(exporter, episodes):
         facts = episodes.stream_facts.get(stream.name) or stream_facts(store, stream)
         kept = exporter.kept_as(stream.name, episodes)
-        found[stream.name] = {"kept_as": kept, **facts, "missing": missing.get(stream.name, 0)}
+        of_parts = dict(missing.get(stream.name, {}))
+        found[stream.name] = {"kept_as": kept, **facts, "missing": sum(of_parts.values()), "missing_in": of_parts}
     return found
 
 
@@ -112,7 +117,7 @@ def _columns(episodes: Episodes, name: str) -> tuple[tuple[str, ...], tuple[str,
 
 
 def _general_remarks(
-    exporter: Exporter, episodes: Episodes, missing: Mapping[str, int], remade: int, undescribed: int
+    exporter: Exporter, episodes: Episodes, missing: Mapping[str, Mapping[str, int]], remade: int, undescribed: int
 ) -> list[str]:
     """Return what an export derives, and which values it lacks, whatever its format."""
     remarks = []
@@ -129,8 +134,13 @@ def _general_remarks(
         )
     elif exporter.at_frames:
         remarks.append("There is no action: none was recorded, and none was derived.")
-    for name, count in missing.items():
-        remarks.append(f"`{name}` has no value at {counted(count, 'frame')}: NaN or null there, never zero.")
+    for name, of_parts in missing.items():
+        total = sum(of_parts.values())
+        where = ", ".join(f"{part} {count:,}" for part, count in of_parts.items())
+        remarks.append(
+            f"`{name}` has no value at {counted(total, 'frame')} ({where}): NaN or null there, never zero. "
+            "A training loop that reads it leaves these frames out."
+        )
     if remade:
         remarks.append(
             f"{counted(remade, 'picture')} became PNG, without loss: raw frames, and files that readers understand in "
