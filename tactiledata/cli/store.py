@@ -38,6 +38,7 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
     from tactiledata.ingest.checks.beside import findings_beside
     from tactiledata.store.read.overview import found_in, overview, shown_rate
     from tactiledata.store.read.reader import Store
+    from tactiledata.store.read.recording_names import recording_names
     from tactiledata.store.read.simulated import simulated_recordings
 
     location = working_store(store)
@@ -98,7 +99,7 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
         say(f"status: {', '.join(f'{count} {status}' for status, count in sorted(facts['status'].items()))}")
     for code, row in sorted(facts["findings"].items()):
         say(f"  {row['severity']:<7} {code}: {row['count']} in {counted(row['sources'], 'recording')}")
-    keys = opened.sources(["key"])["key"].to_pylist()
+    keys = recording_names(opened)
     findings((keys[row], finding) for row, found in beside.items() for finding in found)
     say(f"digest: {opened.digest}")
     with damage_explains(location):

@@ -1,13 +1,17 @@
 """What `info` and the page of a store say of recordings beside each other: cameras, copies."""
 
 import json
+import re
+import shlex
 
 import pytest
 from command import run_command
+from copied_trees import copy_tree
 
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.ingest.sources.overview import page
 from tactiledata.ingest.trajectories.assemble import IngestOptions
+from tactiledata.store.read.flags import flagged_trajectories
 from tactiledata.store.read.reader import Store
 
 
@@ -55,3 +59,37 @@ def test_a_store_without_copies_gets_no_remark(tiny_store, capsys):
     """Recordings of their own with one name for all cameras are not remarked."""
     _, out, _ = run_command(capsys, "info", tiny_store, "--json")
     assert not {"camera-names", "recording-twin"} & set(json.loads(out)["findings"])
+
+
+def test_a_flag_names_the_copies_and_a_recording_is_flagged_whole(three, tmp_path, capsys):
+    """The copies of a touch are named with a command that flags them; the finding's command leaves a copy out."""
+    store = copy_tree(three, tmp_path / "ds.zarr")
+    _, out, _ = run_command(capsys, "flag", store, "D20001.mcap/t00000", "--reason", "it slipped")
+    assert "in other recordings, and stay in splits there: D20001/t00000" in out
+    [command] = re.findall("to flag these, too: tactiledata (.*)", out)
+    code, out, _ = run_command(capsys, *shlex.split(command))
+    assert (code, "in other recordings" in out) == (0, False)
+    for name in ("D20001.mcap", "D20001"):
+        run_command(capsys, "flag", store, name, "--remove")
+    assert not flagged_trajectories(Store.open(store))
+    _, out, _ = run_command(capsys, "info", store, "--json")
+    [sentence] = [
+        row["message"]
+        for row in json.loads(out)["all_findings"]
+        if (row["code"], row["source"]) == ("recording-twin", "D20001")
+    ]
+    code, out, _ = run_command(capsys, *shlex.split(sentence.partition("after: tactiledata ")[2]))
+    assert code == 0, out
+    assert [flag.name for flag in flagged_trajectories(Store.open(store)).values()] == [
+        "D20001/t00000",
+        "D20001/t00002",
+    ]
+    _, out, _ = run_command(capsys, "info", store, "--json")
+    assert "recording-twin" not in json.loads(out)["findings"]
+
+
+def test_a_flag_without_copies_says_nothing_of_them(tiny_store, tmp_path, capsys):
+    """A touch that is in one recording alone is flagged, and no copy is named."""
+    store = copy_tree(tiny_store, tmp_path / "ds.zarr")
+    code, out, _ = run_command(capsys, "flag", store, "D20001.mcap", "--reason", "the gel was torn")
+    assert (code, out.count("flagged: D20001.mcap/"), "other recordings" in out) == (0, 2, False)

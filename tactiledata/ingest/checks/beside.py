@@ -10,12 +10,12 @@ from tactiledata.contract.take import findings_of
 from tactiledata.ingest.checks.camera_names import camera_findings, cameras_of_store
 from tactiledata.ingest.checks.twins import twins_of_store
 from tactiledata.store.read.reader import Store
+from tactiledata.store.read.recording_names import recording_names
 
 
 def findings_beside(store: Store) -> dict[int, tuple[Finding, ...]]:
     """The findings on recordings that only the others of the store tell, by row of the table of sources."""
-    keys = store.sources(["key"])["key"].to_pylist()
-    named, twins = camera_findings(keys, cameras_of_store(store)), twins_of_store(store)
+    named, twins = camera_findings(recording_names(store), cameras_of_store(store)), twins_of_store(store)
     return {row: tuple(found[row] for found in (named, twins) if row in found) for row in sorted({*named, *twins})}
 
 

@@ -26,6 +26,7 @@ from tactiledata.splits.suggest import suggest_split
 from tactiledata.store.read.flags import flag_words, flagged_trajectories
 from tactiledata.store.read.overview import overview, shown_rate
 from tactiledata.store.read.reader import Store
+from tactiledata.store.read.recording_names import recording_names
 from tactiledata.store.read.simulated import simulated_recordings, touch_mark
 
 if TYPE_CHECKING:
@@ -224,7 +225,7 @@ def _signals(facts: dict) -> Section | None:
 
 
 def _findings(store: Store) -> Section:
-    keys = store.sources(["key"])["key"].to_pylist()
+    keys = recording_names(store)
     ranked = sorted(all_findings(store), key=lambda item: (WORST_FIRST[item[1].severity], item[1].code, item[0]))
     sentences: list[tuple[str, str]] = [
         (finding.severity, f"{finding.severity}: {keys[source]}: {finding.message} [{finding.code}]")

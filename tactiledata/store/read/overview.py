@@ -12,6 +12,7 @@ import pyarrow as pa
 
 from tactiledata.contract.records import Finding
 from tactiledata.store.read.flags import flagged_trajectories
+from tactiledata.store.read.recording_names import recording_names
 from tactiledata.store.read.simulated import simulated_recordings
 
 if TYPE_CHECKING:
@@ -60,7 +61,7 @@ def found_in(store: Store, beside: Mapping[int, Sequence[Finding]] = NOTHING_BES
     beside : dict, row of a recording -> findings
         Findings that the store does not keep.
     """
-    keys = store.sources(["key"])["key"].to_pylist()
+    keys = recording_names(store)
     return [{**row, "source": keys[row["source"]]} for row in _finding_rows(store, beside)]
 
 
@@ -70,7 +71,7 @@ def _finding_rows(store: Store, beside: Mapping[int, Sequence[Finding]]) -> list
 
 
 def _by_camera(store: Store) -> dict[str, dict[str, Any]]:
-    keys = store.sources(["key"])["key"].to_pylist()
+    keys = recording_names(store)
     rows = store.frames(["camera", "source"]).group_by(["camera", "source"]).aggregate([([], "count_all")]).to_pylist()
     found: dict[str, dict[str, Any]] = {}
     for row in sorted(rows, key=lambda row: (row["camera"], row["source"])):

@@ -5,8 +5,9 @@ from test_twins import touch
 
 from tactiledata.contract.records import Finding
 from tactiledata.contract.take import findings_table
+from tactiledata.errors import MissingFile
 from tactiledata.ingest.checks.conflicts import conflict_findings
-from tactiledata.ingest.checks.twins import ABSOLUTE, overlaps, twins_of_store
+from tactiledata.ingest.checks.twins import ABSOLUTE, overlaps, twin_rows, twins_of_store
 
 
 class Tables:
@@ -16,7 +17,8 @@ class Tables:
         names = [f"s{row}" for row in range(n_sources)]
         self.manifest = {"sources": names}
         self._sources = pa.table({"sha256": names, "key": [f"log{row}" for row in range(n_sources)]})
-        self._touches = touches
+        self._touches = [{"uid": f"u{row}", **touch} for row, touch in enumerate(touches)]
+        self.location = "ds.zarr"
         table = findings_table([finding for _, finding in findings])
         column = pa.array([source for source, _ in findings], pa.int32())
         self._findings = table.set_column(0, "source", column)
@@ -27,6 +29,9 @@ class Tables:
     def trajectories(self, columns):
         rows = [{name: touch[name] for name in columns} for touch in self._touches]
         return pa.Table.from_pylist(rows)
+
+    def read_file(self, name):
+        raise MissingFile(name, "a file")
 
     def findings(self):
         return self._findings
@@ -82,3 +87,12 @@ def test_the_first_conflict_of_each_stream_is_said():
     found = conflict_findings(Tables(2, (), rows), {"s1"})
     assert {digest: [one.message for one in all_] for digest, all_ in found.items()} == {"s1": ["two", "three", "four"]}
     assert set(conflict_findings(Tables(2, (), rows), {"s0", "s1"})) == {"s0", "s1"}
+
+
+def test_the_copies_of_a_touch_are_found_by_row():
+    """All touches of other recordings that overlap one that is asked for are found, these themselves are not."""
+    store = Tables(3, [touch(0, 0, 10), touch(1, 5, 15), touch(2, 30, 40), touch(2, 9, 20), touch(0, 50, 60)])
+    assert twin_rows(store, [0]) == [1, 3]
+    assert twin_rows(store, [1]) == [0, 3]
+    assert twin_rows(store, [0, 1]) == [3]
+    assert twin_rows(store, [2, 4]) == []
