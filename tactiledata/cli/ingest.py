@@ -10,7 +10,7 @@ import typer
 
 from tactiledata.cli.documents import mapping_document
 from tactiledata.cli.given_values import need_local_place
-from tactiledata.cli.next_steps import first_split, stale_split
+from tactiledata.cli.next_steps import next_steps
 from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say, say_left_alone, table
 from tactiledata.cli.task_options import SCHEDULER, WORKERS
 from tactiledata.contract.wording import counted
@@ -113,6 +113,5 @@ def _print(report: Any) -> None:
     if report.changed:
         from tactiledata.store.read.reader import Store
 
-        store = Store.open(report.store)
-        for line in [stale_split(store, name) for name in report.stale_splits] or [first_split(store)]:
+        for line in next_steps(Store.open(report.store)):
             say(line)

@@ -32,6 +32,7 @@ from tactiledata.ingest.sources.refused import refusals_told
 from tactiledata.ingest.sources.replacing import replace_recordings
 from tactiledata.ingest.sources.reports import IngestReport, SourceReport, report_of, with_copies
 from tactiledata.ingest.trajectories.assemble import IngestOptions, assemble
+from tactiledata.splits.manifest import unusable_splits
 from tactiledata.store.check.lost_files import need_tables
 from tactiledata.store.layout.lock import reading_lock
 from tactiledata.store.layout.manifest import read_manifest
@@ -114,7 +115,6 @@ def ingest(
         tasks = [_Task(source, str(folder.resolve()), chosen, present, replace) for source in sources]
         watch = _Watch(len(tasks), progress)
         outcomes = _told(runner.outcomes(_read_source, tasks), watch)
-        splits = Store.open(folder).split_names()
         findings: list[Finding] = []
         if replace:
             reports, findings = replace_recordings(folder, map(_as_read, outcomes))
@@ -124,9 +124,10 @@ def ingest(
             commit_groups(folder, _staged_takes(outcomes, set(present), otherwise, reports), watch.stored)
         reports = _compared(with_copies(reports), folder)
         recover(folder)  # copies of what was committed need not wait
+        stale = unusable_splits(Store.open(folder))
     left, said = unclaimed_findings(unclaimed)
     report = IngestReport(str(store), tuple(reports), tuple(map(str, left)), (*findings, *said))
-    return dataclasses.replace(report, stale_splits=tuple(splits)) if report.changed else report
+    return dataclasses.replace(report, stale_splits=tuple(stale)) if report.changed else report
 
 
 def _compared(reports: list[SourceReport], folder: Path) -> list[SourceReport]:

@@ -60,7 +60,7 @@ class IngestReport:
     findings : tuple of Finding
         What concerns no one source.
     stale_splits : tuple of str
-        Splits of the store as it was before.
+        Splits of the store, if it changed, that do not know all its trajectories.
     """
 
     store: str
