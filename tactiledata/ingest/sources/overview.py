@@ -28,10 +28,13 @@ from tactiledata.store.read.overview import overview, shown_rate
 from tactiledata.store.read.reader import Store
 from tactiledata.store.read.recording_names import recording_names
 from tactiledata.store.read.simulated import simulated_recordings, touch_mark
+from tactiledata.units import SIGNAL_COLUMNS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+CONTACT_WRENCH = "contact_wrench"
+"""Name of the signal whose force is drawn."""
 MAX_TOUCHES = 6
 MOST_FLAGS = 60
 """Flagged trajectories that the page lists."""
@@ -102,9 +105,13 @@ def touch_picture(store: Store, row: int) -> TouchPicture | None:
     t_ns = frames["t_ns"].to_numpy()
     reference = store.references().get(frames["sensor"][shown].as_py())
     seconds, samples, force_frame = np.zeros(0), np.zeros((0, 3)), ""
-    if "contact_wrench" in store.signal_names:
-        first, last = json.loads(trajectory["signal_rows"]).get("contact_wrench", [0, 0])
-        signal = store.signal("contact_wrench")
+    for name, (first, last) in json.loads(trajectory["signal_rows"]).items():
+        # one that means something else than the store's first is kept as contact_wrench@…
+        if name.partition("@")[0] != CONTACT_WRENCH or last <= first:
+            continue
+        signal = store.signal(name)
+        if tuple(signal.columns) != SIGNAL_COLUMNS[CONTACT_WRENCH]:
+            continue
         seconds = (signal.t_ns(first, last) - trajectory["start_ns"]) / 1e9
         samples, force_frame = signal.values(first, last)[:, :3], signal.frame
     names = [trajectory["sensor"], trajectory["indenter"] or "(not named)", trajectory["trajectory"]]
