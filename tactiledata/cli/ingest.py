@@ -82,7 +82,7 @@ def _print(report: Any) -> None:
     words = {"added": "added", "replaced": "replaced", "present": "already there", "failed": "not read"}
     rows = [
         (
-            source.key,
+            source.words,
             f"a copy of {source.copy_of}" if source.copy_of else words[source.state],
             source.status or "-",
             source.trajectories,
@@ -93,14 +93,14 @@ def _print(report: Any) -> None:
     table("", ("recording", "what was done", "status", "trajectories", "frames"), rows)
     findings(
         [
-            *((source.key, finding) for source in report.sources for finding in source.findings),
+            *((source.name or source.key, finding) for source in report.sources for finding in source.findings),
             *(("", finding) for finding in report.findings),
         ],
         all_of_them=f"--json; those that were kept: {shlex.join(['tactiledata', 'info', str(report.store), '--json'])}",
     )
     for source in report.sources:
         if source.error:
-            say(f"  not read {source.key}: {source.error}")
+            say(f"  not read {source.words}: {source.error}")
     # files that are no recordings
     say_left_alone(report.unclaimed)
     # counts, and what to do next

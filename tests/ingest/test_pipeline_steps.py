@@ -192,13 +192,13 @@ def test_twins_and_conflicts_are_added_to_the_reports(monkeypatch, tmp_path):
         asked.append(sorted(digests))
         return {"a": (Finding("one", "warning", "1"), Finding("two", "warning", "2"))}
 
-    Tables.of(monkeypatch, [{"sha256": name} for name in ("a", "x", "p")])
+    Tables.of(monkeypatch, [{"sha256": name, "key": name} for name in ("a", "x", "p")])
     monkeypatch.setattr(pipeline, "findings_beside", beside)
     monkeypatch.setattr(pipeline, "conflict_findings", conflicts)
     before = (Finding("before", "info", "b"),)
     states = {"a": "added", "r": "replaced", "p": "present"}
     reports = [SourceReport(name, state, findings=before, sha256=name) for name, state in states.items()]
-    found = pipeline._compared([*reports, SourceReport("f", "failed")], tmp_path)
+    found = pipeline._compared([*reports, SourceReport("f", "failed")], tmp_path, {})
     assert asked == [["a", "r"]]
     assert [[one.code for one in report.findings] for report in found] == [
         ["before", "one", "two", "twin"], ["before"], ["before", "twin"], [],

@@ -107,7 +107,7 @@ def touch_picture(store: Store, row: int) -> TouchPicture | None:
     seconds, samples, force_frame = np.zeros(0), np.zeros((0, 3)), ""
     for name, (first, last) in json.loads(trajectory["signal_rows"]).items():
         # one that means something else than the store's first is kept as contact_wrench@…
-        if name.partition("@")[0] != CONTACT_WRENCH or last <= first:
+        if name not in store.signal_names or name.partition("@")[0] != CONTACT_WRENCH:
             continue
         signal = store.signal(name)
         if tuple(signal.columns) != SIGNAL_COLUMNS[CONTACT_WRENCH]:

@@ -33,6 +33,10 @@ class SourceReport:
         What its description states of its contacts.
     copy_of : str
         Key of the source of the same call whose files are the same and which came in; empty where there is none.
+    name : str
+        What the store's commands call it, where several of its recordings have the key; empty where the key does.
+    place : str
+        End of its path that tells it from sources of the same call with the same name; empty where the key does.
     """
 
     key: str
@@ -45,6 +49,13 @@ class SourceReport:
     sha256: str = ""
     kind: Kind = "not stated"
     copy_of: str = ""
+    name: str = ""
+    place: str = ""
+
+    @property
+    def words(self) -> str:
+        """Its name for people, with its place where another source has the same."""
+        return f"{self.name or self.key} ({self.place})" if self.place else self.name or self.key
 
 
 @dataclass(frozen=True)
@@ -92,6 +103,8 @@ class IngestReport:
             "sources": [
                 {
                     "key": source.key,
+                    "name": source.name or source.key,
+                    "place": source.place,
                     "state": source.state,
                     "status": source.status,
                     "frames": source.frames,
