@@ -24,6 +24,7 @@ from tactiledata.splits.manifest import coverage_problem, read_split, read_split
 from tactiledata.splits.options import EXCLUDED, PARTITIONS
 from tactiledata.splits.suggest import suggest_split
 from tactiledata.store.read.flags import flag_words, flagged_trajectories
+from tactiledata.store.read.named_trajectories import full_names
 from tactiledata.store.read.overview import overview, shown_rate
 from tactiledata.store.read.reader import Store
 from tactiledata.store.read.recording_names import recording_names
@@ -114,7 +115,7 @@ def touch_picture(store: Store, row: int) -> TouchPicture | None:
             continue
         seconds = (signal.t_ns(first, last) - trajectory["start_ns"]) / 1e9
         samples, force_frame = signal.values(first, last)[:, :3], signal.frame
-    names = [trajectory["sensor"], trajectory["indenter"] or "(not named)", trajectory["trajectory"]]
+    names = [trajectory["sensor"], trajectory["indenter"] or "(not named)", full_names(store)[row]]
     title = ", ".join([*names, *filter(None, [touch_mark(store, row)])])
     return TouchPicture(
         title=title,
@@ -168,8 +169,8 @@ def page(store: Store, picture: Picture | None, split: str, further: Sequence[Se
     ]
     sections = [
         _recorded(picture),
-        _counts(facts),
         _cameras(facts),
+        _counts(facts),
         _signals(facts),
         _findings(store),
         _flagged(store),

@@ -139,7 +139,7 @@ def test_a_touch_is_shown_at_its_largest_force():
     table, rows = pictured([0, 0, 0, 0, 0, FrameFlag.BROKEN, 0, 0], [99, 99, 1, 2, 3, 50, np.nan, 99])
     reference = Reference(np.zeros((8, 6, 3), np.uint8), "a file")
     shown = touch_picture(Tables(table, rows, references={"D1": reference}), 1)
-    assert shown.title == "D1, ball, t"
+    assert shown.title == "D1, ball, one/t"
     assert shown.image == "image 4"
     assert shown.background is reference.image
     assert shown.force_frame == "gel"
@@ -166,14 +166,14 @@ def test_a_touch_without_usable_images_has_no_picture():
     table, rows = pictured(FrameFlag.STRAY_SIZE, 1.0)
     assert touch_picture(Tables(table, rows), 1) is None
     table, rows = pictured(FrameFlag.OUTSIDE, 1.0, indenter="")
-    assert touch_picture(Tables(table, rows), 1).title == "D1, (not named), t"
+    assert touch_picture(Tables(table, rows), 1).title == "D1, (not named), one/t"
     sources = [
         {"key": key, "description": json.dumps({"recorded_by": {"contact": "simulated"}} if key == "one" else {})}
         for key in ("one", "two")
     ]
     kinds = Tables(table, rows, sources=sources)
     kinds.touches[0]["source"] = 1
-    assert touch_picture(kinds, 1).title == "D1, (not named), t, simulated recording"
+    assert touch_picture(kinds, 1).title == "D1, (not named), one/t, simulated recording"
 
 
 def some_touch(force):
