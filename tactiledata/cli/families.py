@@ -218,6 +218,8 @@ def _document(item: Any) -> dict[str, Any]:
 
 def _print_preview(item: Any, place: str) -> None:
     """Print facts and streams of one source, with its place where another has its name, and what ingest would make."""
+    from tactiledata.ingest.sources.reports import status_in_words
+
     inspection, take = item.inspection, item.take
     source = inspection.source
     say(f"{source.key}{f' ({place})' if place else ''}: {source.format}, {counted(len(source.files), 'file')}")
@@ -234,7 +236,7 @@ def _print_preview(item: Any, place: str) -> None:
             say(f"  {topic.name}: {topic.example}")
     if take is not None:
         made = f"{counted(take.trajectories.num_rows, 'trajectory')} and {counted(take.frames.num_rows, 'frame')}"
-        say(f"  ingest would make: {made}, status {item.status}")
+        say(f"  ingest would make: {made}, status {status_in_words(item.status, inspection.findings)}")
 
 
 _FACTS = {"trajectories": "trajectories stated"}
@@ -243,13 +245,23 @@ _FACTS = {"trajectories": "trajectories stated"}
 
 def _print_summary(previews: list[Any], failed: Mapping[str, str], places: Mapping[str, str]) -> None:
     """Print a line for each of several sources, behind all that was printed of each: what ingest would make of it."""
+    from tactiledata.ingest.sources.reports import status_in_words
+
     rows: list[tuple[Any, ...]] = []
     for item in previews:
         source, take = item.inspection.source, item.take
         lasts = _duration(item.inspection.facts) or "-"
         made = ("-", "-") if take is None else (take.trajectories.num_rows, take.frames.num_rows)
         name = f"{source.key} ({places[source.key]})" if source.key in places else source.key
-        rows.append((name, source.format, lasts, *made, item.status or "would not be read"))
+        rows.append(
+            (
+                name,
+                source.format,
+                lasts,
+                *made,
+                status_in_words(item.status, item.inspection.findings) or "would not be read",
+            )
+        )
     rows += [(key, "-", "-", "-", "-", "cannot be read") for key in failed]
     table("", ("recording", "format", "duration, s", "trajectories", "frames", "status at ingest"), rows)
 

@@ -79,12 +79,14 @@ def _store_here() -> str:
 
 def _print(report: Any) -> None:
     """Print what was done with each recording, the findings, the counts and the next step."""
+    from tactiledata.ingest.sources.reports import status_in_words
+
     words = {"added": "added", "replaced": "replaced", "present": "already there", "failed": "not read"}
     rows = [
         (
             source.words,
             f"a copy of {source.copy_of}" if source.copy_of else words[source.state],
-            source.status or "-",
+            status_in_words(source.status, source.findings) or "-",
             source.trajectories,
             source.frames,
         )

@@ -35,6 +35,7 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
 
     Example: tactiledata info ds.zarr
     """
+    from tactiledata.formats.mcap.passed_over import TOPIC_LEFT
     from tactiledata.ingest.checks.beside import findings_beside
     from tactiledata.store.read.overview import found_in, overview, shown_rate
     from tactiledata.store.read.reader import Store
@@ -96,7 +97,9 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
     for line in _flag_lines(opened.location, facts["flagged"]):
         say(line)
     if facts["status"]:
-        say(f"status: {', '.join(f'{count} {status}' for status, count in sorted(facts['status'].items()))}")
+        statuses = ", ".join(f"{count} {status}" for status, count in sorted(facts["status"].items()))
+        left = facts["findings"].get(TOPIC_LEFT, {"sources": 0})["sources"]
+        say(f"status: {statuses}{f'; of {left} of them a wrench, tcp or images are not read' if left else ''}")
     for code, row in sorted(facts["findings"].items()):
         say(f"  {row['severity']:<7} {code}: {row['count']} in {counted(row['sources'], 'recording')}")
     keys = recording_names(opened)

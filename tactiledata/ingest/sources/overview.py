@@ -13,6 +13,7 @@ from tactiledata import __version__
 from tactiledata.contract.atomic import write_atomic
 from tactiledata.contract.take import UNUSABLE
 from tactiledata.contract.wording import counted, listed
+from tactiledata.formats.mcap.passed_over import TOPIC_LEFT
 from tactiledata.ingest.checks.beside import all_findings
 from tactiledata.ingest.sources.first_program import first_program
 from tactiledata.report.page import Picture, Section, render_page
@@ -165,7 +166,7 @@ def page(store: Store, picture: Picture | None, split: str, further: Sequence[Se
         f"{counted(facts['trajectories'], 'trajectory')} and {counted(facts['frames'], 'image')} of "
         f"{counted(len(facts['by_sensor']), 'sensor')} and "
         f"{counted(len([name for name in facts['by_indenter'] if name]), 'indenter')}.",
-        _status_sentence(facts["status"]),
+        _status_sentence(facts["status"], facts["findings"].get(TOPIC_LEFT, {"sources": 0})["sources"]),
     ]
     sections = [
         _recorded(picture),
@@ -188,14 +189,15 @@ def page(store: Store, picture: Picture | None, split: str, further: Sequence[Se
     )
 
 
-def _status_sentence(status: dict[str, int]) -> str:
+def _status_sentence(status: dict[str, int], left: int) -> str:
     words = {
         "ok": ("is whole", "are whole"),
         "unverified": ("has no checksums and could not be verified", "have no checksums and could not be verified"),
         "damaged": ("lost data to damage, and what is whole was kept",) * 2,
     }
     said = [f"{counted(count, 'recording')} {words[name][count != 1]}" for name, count in sorted(status.items())]
-    return "; ".join(said) + "."
+    unread = f" A wrench, tcp or images of {counted(left, 'recording')} were not read: see what the checks found."
+    return f"{'; '.join(said)}.{unread if left else ''}"
 
 
 def _recorded(picture: Picture | None) -> Section | None:

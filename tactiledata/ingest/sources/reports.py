@@ -2,14 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 from tactiledata.contract.records import Finding
 from tactiledata.contract.simulated import Kind, SimulatedCount, recording_kind
 from tactiledata.contract.take import findings_of
+from tactiledata.formats.mcap.passed_over import TOPIC_LEFT
 from tactiledata.store.write.writer import StagedTake
+
+
+def status_in_words(status: str, findings: Iterable[Finding]) -> str:
+    """The status of a recording, with the streams that topics of it could be and that are not read.
+
+    Examples
+    --------
+    >>> status_in_words("ok", [Finding(TOPIC_LEFT, "warning", "nothing is read as wrench", "wrench")])
+    'ok, but wrench not read'
+    """
+    left = list(dict.fromkeys(finding.stream for finding in findings if finding.code == TOPIC_LEFT))
+    return f"{status}, but {', '.join(left)} not read" if status and left else status
 
 
 @dataclass(frozen=True)

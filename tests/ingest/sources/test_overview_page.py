@@ -190,6 +190,7 @@ def test_the_caption_names_only_what_is_there():
 
 
 FACTS = {
+    "findings": {},
     "by_camera": {"digit": {"frames": 3, "recordings": ["one", "two"]}},
     "sources": 1, "trajectories": 2, "frames": 3, "status": {"unverified": 2, "ok": 1, "damaged": 3},
     "by_sensor": {"D1": {"model": "digit", "trajectories": 2, "frames": 3}},
