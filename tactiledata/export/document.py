@@ -6,12 +6,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from tactiledata.contract.provenance import digest_of, provenance
-from tactiledata.contract.wording import counted
+from tactiledata.contract.wording import agreeing, counted
 from tactiledata.export.base import ExportedFile, Exporter, FileFacts
 from tactiledata.export.episodes import Episodes
 from tactiledata.export.meanings import stream_facts
 from tactiledata.export.plan import ExportPlan
 from tactiledata.loaders.streams import Stream
+from tactiledata.splits.options import PARTITIONS
 from tactiledata.store.read.flags import flag_words
 from tactiledata.store.read.simulated import simulated_recordings
 
@@ -73,7 +74,11 @@ def export_document(
         "simulated_recordings": simulated_recordings(store).document(),
         "left_out": exporter.left_out(episodes),
         "lost": list(exporter.lost),
-        "remarks": [*_general_remarks(exporter, episodes, missing, remade, undescribed), *exporter.remarks(episodes)],
+        "remarks": [
+            *(_without_frames(split["counts"], _parts(episodes)) if exporter.at_frames and split is not None else ()),
+            *_general_remarks(exporter, episodes, missing, remade, undescribed),
+            *exporter.remarks(episodes),
+        ],
         "provenance": provenance("export-data", inputs, plan.document()),
     }
 
@@ -86,6 +91,31 @@ def _parts(episodes: Episodes) -> dict[str, dict[str, int]]:
         taken = int(index.in_split[first:end].sum())
         counts[part] = {"trajectories": stop - start, "frames": end - first, "in_split": taken}
     return counts
+
+
+def _without_frames(counts: Mapping[str, Any], parts: Mapping[str, Mapping[str, int]]) -> list[str]:
+    """Say how many trajectories of each part of a split an export does not hold; nothing where it holds all.
+
+    Parameters
+    ----------
+    counts : dict, part -> counts
+        Of the split.
+    parts : dict, part -> counts
+        Of the export; a part without an episode is not in it.
+    """
+    lacking = {
+        part: count
+        for part in PARTITIONS
+        if (count := counts[part]["trajectories"] - parts.get(part, {"trajectories": 0})["trajectories"]) > 0
+    }
+    if not lacking:
+        return []
+    total = sum(lacking.values())
+    where = ", ".join(f"{part} {count}" for part, count in lacking.items())
+    return [
+        f"{counted(total, 'trajectory')} of the split {agreeing(total, 'is', 'are')} not in this export ({where}): "
+        f"of {agreeing(total, 'it', 'them')} the split takes no frame, or none of this camera can be read."
+    ]
 
 
 def _streams(

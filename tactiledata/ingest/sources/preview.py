@@ -165,6 +165,6 @@ class _Known:
             differing = [key for key in SIGNAL_MEANING if first[key] != meaning[key]]
             if differing:
                 detail = "; ".join(f"{key} {meaning[key]!r} here, {first[key]!r} there" for key in differing)
-                text = f"signals {name!r} means something else than in a recording before ({detail}); it is kept apart"
+                text = f"signal {name!r} means something else than in a recording before ({detail}); it is kept apart"
                 found.append(Finding("signal-variant", "warning", text, stream=name))
         return found
