@@ -16,6 +16,7 @@ from tactiledata.contract.wording import counted, listed
 from tactiledata.formats.mcap.passed_over import TOPIC_LEFT
 from tactiledata.ingest.checks.beside import all_findings
 from tactiledata.ingest.sources.first_program import first_program
+from tactiledata.report.finding_words import codes_section
 from tactiledata.report.page import Picture, Section, render_page
 from tactiledata.report.panels import panels_of
 from tactiledata.report.plots import TouchPicture, draw_touches, png_bytes
@@ -177,6 +178,7 @@ def page(store: Store, picture: Picture | None, split: str, further: Sequence[Se
         _flagged(store),
         _split(store, split),
         *further,
+        codes_section(finding.code for _, finding in all_findings(store)),
         _use(store, split),
     ]
     footer = f"tactiledata {__version__}; store digest {store.digest}"
