@@ -24,6 +24,7 @@ def test_the_wheel_built_from_the_sdist_holds_what_is_needed(tmp_path):
     names = set(zipfile.ZipFile(wheel).namelist())
     for schema in (ROOT / "schemas").glob("*.json"):
         assert f"tactiledata/schemas/{schema.name}" in names
+    assert "tactiledata/docs/findings.md" in names
     for recipe in (ROOT / "recipes").rglob("*.yaml"):
         assert f"tactiledata/recipes/{recipe.relative_to(ROOT / 'recipes').as_posix()}" in names
     assert "tactiledata/sensors/digit_backgrounds/LICENSE" in names

@@ -21,6 +21,7 @@ from tactiledata.report.calibration_plots import (
     draw_residuals,
     draw_surfaces,
 )
+from tactiledata.report.finding_words import codes_section
 from tactiledata.report.page import Picture, Section, render_page
 from tactiledata.report.panels import panels_of
 
@@ -55,6 +56,8 @@ def calibration_page(calibration: Calibration, store: str = "") -> str:
         _residuals(calibration),
     ]
     sections = [_result(calibration), _remarks(calibration), *(replace(section, is_folded=True) for section in folded)]
+    if (explained := codes_section(finding.code for finding in calibration.findings)) is not None:
+        sections.append(explained)
     footer = f"{f'store {store}, ' if store else ''}store digest {calibration.store[:16]}"
     return render_page(
         "Calibration of the gel", _in_short(calibration), sections, footer,

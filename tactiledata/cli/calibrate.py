@@ -7,6 +7,7 @@ from typing import Any
 
 import typer
 
+from tactiledata.cli.documents import refuse_result_of_another_store
 from tactiledata.cli.explain import damage_explains
 from tactiledata.cli.given_values import INDENTERS, listed_names, need_folder, need_seed, need_writable_folder
 from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say, table
@@ -55,6 +56,7 @@ def calibrate(
         help="Relative error of the simulated forces that an indenter's touches share; 0 for none "
         "[default: that of the engine].",
     ),
+    replace: bool = typer.Option(False, "--replace", help="Replace a result of another store at the same place."),
     indenters: Path = typer.Option(None, "--indenters", help="Folder of the mesh files that recordings name."),
     seed: int = typer.Option(0, "--seed", help="Random seed for drawing trajectories."),
     workers: int = SIMULATION_WORKERS,
@@ -102,6 +104,7 @@ def calibrate(
     location = working_store(store)
     with damage_explains(location), progress("trying nu and mu", quiet=as_json) as report_progress:
         opened = Store.open(location)
+        refuse_result_of_another_store(out, opened, replace)
         need_touches_once(opened, sensor)
         calibration = run(opened, options, report_progress)
     # write and print

@@ -8,7 +8,12 @@ from typing import Any
 
 import typer
 
-from tactiledata.cli.documents import calibration_document, wrong_document_is_wrong_usage
+from tactiledata.cli.documents import (
+    calibration_document,
+    made_of_another_store,
+    refuse_result_of_another_store,
+    wrong_document_is_wrong_usage,
+)
 from tactiledata.cli.given_values import (
     INDENTERS,
     listed_names,
@@ -28,7 +33,7 @@ TABLE_ONLY = ("columns", "group")
 """Options that have a meaning for tables only."""
 STORE_ONLY = (
     "trajectories", "sensor", "indenter", "effects", "pairs", "fidelity", "bounds", "shore_a", "indenters", "workers",
-    "scheduler", "calibration",
+    "scheduler", "calibration", "replace",
 )  # fmt: skip
 """Options that have a meaning for stores only."""
 STEPS = 30
@@ -69,6 +74,9 @@ def diagnose(
     calibration: Path = typer.Option(
         None, "--calibration", help="Store: calibration.json whose E, nu and mu the page sets beside its own fit."
     ),
+    replace: bool = typer.Option(
+        False, "--replace", help="Store: replace a diagnosis of another store in the same folder."
+    ),
     workers: int = workers_option("Store: "),
     scheduler: str = scheduler_option("Store: "),
     columns: Path = typer.Option(None, "--columns", help="Table: YAML file that states the meaning of the columns."),
@@ -98,6 +106,7 @@ def diagnose(
     else:
         need_packages("a diagnosis of a store", *GEL)
         from tactiledata.diagnose.options import DiagnosisOptions
+        from tactiledata.store.read.reader import Store
 
         options = DiagnosisOptions(
             trajectories=trajectories,
@@ -113,7 +122,10 @@ def diagnose(
             scheduler=scheduler,
             indenter_folder=need_folder(indenters, "--indenters", INDENTERS),
         )
-        document, written, is_found = _store(working_store(source), out, options, calibrated, as_json)
+        location = working_store(source)
+        if out is not None:
+            refuse_result_of_another_store(out / "diagnosis.json", Store.open(location), replace)
+        document, written, is_found = _store(location, out, options, calibrated, as_json)
     # print
     if as_json:
         emit(document)
@@ -186,7 +198,7 @@ def _store(
         diagnosis = diagnose_store(store, options, report_play, report_step, tell, tell_preview)
         report_progress(plays[0] + STEPS, plays[0] + STEPS, "done")
     if calibrated is not None:
-        stated = material_of_calibration(*calibrated)
+        stated = material_of_calibration(*calibrated, made_of_another_store(calibrated[0], Store.open(location)))
         diagnosis = dataclasses.replace(diagnosis, stated=(*diagnosis.stated, stated))
     document = store_document(diagnosis)
     written = [] if out is None else write_store_diagnosis(out, Path(location).name, diagnosis, document)

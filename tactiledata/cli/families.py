@@ -105,25 +105,25 @@ def effects(as_json: bool = JSON_OPTION) -> None:
 
 
 def inspect(
-    path: Path = typer.Argument(..., help="A recording, or a folder of recordings."),
+    paths: list[Path] = typer.Argument(..., help="Recordings, or folders of recordings."),
     suggest_mapping: bool = typer.Option(
-        False, "--suggest-mapping", help="Print a draft of one mapping file for all recordings of PATH."
+        False, "--suggest-mapping", help="Print a draft of one mapping file for all these recordings."
     ),
     mapping: Path = typer.Option(None, "--mapping", help="Read the recording by this mapping file."),
     format_name: str = typer.Option(None, "--format", help="Read the recordings as this format, without detection."),
     as_json: bool = JSON_OPTION,
 ) -> None:
-    """Show what is in a log, and what ingest would say of it.
+    """Show what is in logs, and what ingest would say of them.
 
     Lists streams with their types and rates, and what each would be read as. Makes the checks of ingest that need no
     decoded picture.
 
     Example: tactiledata inspect run3.mcap --suggest-mapping > mapping.yaml
     """
-    from tactiledata.ingest.sources.discover import find_sources, unclaimed_findings
+    from tactiledata.ingest.sources.discover import find_sources, places_apart, unclaimed_findings
     from tactiledata.ingest.sources.preview import NOT_CHECKED
 
-    sources, unclaimed = find_sources([path], format_name)
+    sources, unclaimed = find_sources(paths, format_name)
     document = mapping_document(mapping)
     previews, failed = _previews(sources, document)
     inspections = [item.inspection for item in previews]
@@ -140,13 +140,14 @@ def inspect(
             "not_checked": NOT_CHECKED,
         })  # fmt: skip
     else:
+        places = places_apart(sources)
         for item in previews:
-            _print_preview(item)
+            _print_preview(item, places.get(item.inspection.source.key, ""))
         for key, reason in failed.items():
             say(f"{key}: cannot be read: {reason}")
         is_one = len(sources) == 1
         if not is_one:
-            _print_summary(previews, failed)
+            _print_summary(previews, failed, places)
         say_left_alone(map(str, left))
         of_sources = ((item.source.key, finding) for item in inspections for finding in item.findings)
         findings([*(("" if is_one else key, finding) for key, finding in of_sources), *(("", item) for item in said)])
@@ -215,11 +216,13 @@ def _document(item: Any) -> dict[str, Any]:
     }
 
 
-def _print_preview(item: Any) -> None:
-    """Print facts and streams of one source, and what ingest would make of it."""
+def _print_preview(item: Any, place: str) -> None:
+    """Print facts and streams of one source, with its place where another has its name, and what ingest would make."""
+    from tactiledata.ingest.sources.reports import status_in_words
+
     inspection, take = item.inspection, item.take
     source = inspection.source
-    say(f"{source.key}: {source.format}, {counted(len(source.files), 'file')}")
+    say(f"{source.key}{f' ({place})' if place else ''}: {source.format}, {counted(len(source.files), 'file')}")
     for line in _fact_lines(inspection.facts):
         say(f"  {line}")
     rows = [
@@ -233,21 +236,32 @@ def _print_preview(item: Any) -> None:
             say(f"  {topic.name}: {topic.example}")
     if take is not None:
         made = f"{counted(take.trajectories.num_rows, 'trajectory')} and {counted(take.frames.num_rows, 'frame')}"
-        say(f"  ingest would make: {made}, status {item.status}")
+        say(f"  ingest would make: {made}, status {status_in_words(item.status, inspection.findings)}")
 
 
 _FACTS = {"trajectories": "trajectories stated"}
 """Names of facts for people, where the machine's name says too little."""
 
 
-def _print_summary(previews: list[Any], failed: Mapping[str, str]) -> None:
+def _print_summary(previews: list[Any], failed: Mapping[str, str], places: Mapping[str, str]) -> None:
     """Print a line for each of several sources, behind all that was printed of each: what ingest would make of it."""
+    from tactiledata.ingest.sources.reports import status_in_words
+
     rows: list[tuple[Any, ...]] = []
     for item in previews:
         source, take = item.inspection.source, item.take
         lasts = _duration(item.inspection.facts) or "-"
         made = ("-", "-") if take is None else (take.trajectories.num_rows, take.frames.num_rows)
-        rows.append((source.key, source.format, lasts, *made, item.status or "would not be read"))
+        name = f"{source.key} ({places[source.key]})" if source.key in places else source.key
+        rows.append(
+            (
+                name,
+                source.format,
+                lasts,
+                *made,
+                status_in_words(item.status, item.inspection.findings) or "would not be read",
+            )
+        )
     rows += [(key, "-", "-", "-", "-", "cannot be read") for key in failed]
     table("", ("recording", "format", "duration, s", "trajectories", "frames", "status at ingest"), rows)
 

@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 import shlex
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import typer
 
 from tactiledata.cli.explain import damage_explains
 from tactiledata.cli.output import JSON_OPTION, emit, say, table
 from tactiledata.cli.working_store import store_and_names
-from tactiledata.contract.wording import counted
+from tactiledata.contract.wording import counted, listed
 from tactiledata.errors import UsageError
+
+if TYPE_CHECKING:
+    from tactiledata.store.read.reader import Store
+
+MOST_COPIES = 4
+"""Copies in other recordings that are named in a sentence."""
 
 
 def register(app: typer.Typer) -> None:
@@ -22,7 +30,8 @@ def flag(
     words: list[str] = typer.Argument(
         None,
         metavar="[STORE] TRAJECTORY...",
-        help="A store (default: the only store in the working folder), and trajectories: uid, name, or recording/name.",
+        help="A store (default: the only store in the working folder), and trajectories: uid, name, or "
+        "recording/name; a recording for all its trajectories.",
     ),
     reason: str = typer.Option(None, "--reason", help="What is wrong with the trajectories, in a sentence."),
     remove: bool = typer.Option(False, "--remove", help="Take the flags of the trajectories off."),
@@ -32,6 +41,7 @@ def flag(
     """Flag trajectories as bad.
 
     Splits leave flagged trajectories out, and what was derived from them; nothing is deleted.
+    Of a recording that is named alone, all trajectories are flagged. Copies in other recordings are named.
     Look at trajectories with `tactiledata view`.
 
     Example: tactiledata flag ds.zarr D20001.mcap/t00000 --reason "the gel slipped off its mount"
@@ -50,7 +60,9 @@ def flag(
             _list(location, as_json)
         return
     if not names:
-        raise UsageError("no trajectory is named", "a uid, a name, or recording/name", "`tactiledata flag --help`")
+        raise UsageError(
+            "no trajectory is named", "a uid, a name, recording/name, or a recording", "`tactiledata flag --help`"
+        )
     if "://" in location or "::" in location:
         raise UsageError(
             f"the store {location} is not on a local disk", "a local store", "Flag it on the machine that holds it."
@@ -70,21 +82,48 @@ def _change(location: str, names: list[str], reason: str | None, as_json: bool) 
     from tactiledata.store.change.flag import flag_trajectories, remove_flags
     from tactiledata.store.read.reader import Store
 
+    rows = _copies(Store.open(location), names)
     if reason is None:
         changed, done = remove_flags(location, names), "no longer flagged"
     else:
         changed, done = flag_trajectories(location, names, reason), "flagged"
+    store = Store.open(location)
+    copies = _named_unlike(store, rows, is_flagged=reason is not None)
     if as_json:
-        emit({"store": location, "changed": changed, "state": done, "flagged": _flagged(location)})
+        emit({"store": location, "changed": changed, "state": done, "flagged": _flagged(location), "copies": copies})
         return
     for name in changed:
         say(f"{done}: {name}")
     if not changed:
         say("nothing to change: flagged already, with this reason")
-    store = Store.open(location)
+    if copies:
+        option = ["--remove"] if reason is None else ["--reason", reason]
+        state, wish = ("stay flagged", "take these flags off") if reason is None else ("stay in splits", "flag these")
+        say(f"the same touches are in other recordings, and {state} there: {listed(copies, MOST_COPIES)}")
+        say(f"to {wish}, too: {shlex.join(['tactiledata', 'flag', location, *copies, *option])}")
     if store.split_names():
         for line in next_steps(store):
             say(line)
+
+
+def _copies(store: Store, names: Sequence[str]) -> list[int]:
+    """Return the rows of the trajectories that are copies, in other recordings, of those that are named."""
+    from tactiledata.ingest.checks.twins import twin_rows
+    from tactiledata.store.read.flags import stored_flags
+    from tactiledata.store.read.named_trajectories import named_trajectories
+
+    gone = set(stored_flags(store)) - set(store.trajectories(["uid"])["uid"].to_pylist())
+    there = [name for name in names if name not in gone]
+    return twin_rows(store, named_trajectories(store, there, whole_recordings=True))
+
+
+def _named_unlike(store: Store, rows: Sequence[int], is_flagged: bool) -> list[str]:
+    """Return the full names of the trajectories that are not flagged, or those that are."""
+    from tactiledata.store.read.flags import flagged_trajectories
+    from tactiledata.store.read.named_trajectories import full_names
+
+    uids, full, flagged = store.trajectories(["uid"])["uid"].to_pylist(), full_names(store), flagged_trajectories(store)
+    return [full[row] for row in rows if (uids[row] in flagged) != is_flagged]
 
 
 def _flagged(location: str) -> list[dict[str, str]]:

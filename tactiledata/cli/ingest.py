@@ -10,7 +10,7 @@ import typer
 
 from tactiledata.cli.documents import mapping_document
 from tactiledata.cli.given_values import need_local_place
-from tactiledata.cli.next_steps import first_split, stale_split
+from tactiledata.cli.next_steps import next_steps
 from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say, say_left_alone, table
 from tactiledata.cli.task_options import SCHEDULER, WORKERS
 from tactiledata.contract.wording import counted
@@ -79,12 +79,14 @@ def _store_here() -> str:
 
 def _print(report: Any) -> None:
     """Print what was done with each recording, the findings, the counts and the next step."""
+    from tactiledata.ingest.sources.reports import status_in_words
+
     words = {"added": "added", "replaced": "replaced", "present": "already there", "failed": "not read"}
     rows = [
         (
-            source.key,
+            source.words,
             f"a copy of {source.copy_of}" if source.copy_of else words[source.state],
-            source.status or "-",
+            status_in_words(source.status, source.findings) or "-",
             source.trajectories,
             source.frames,
         )
@@ -93,14 +95,14 @@ def _print(report: Any) -> None:
     table("", ("recording", "what was done", "status", "trajectories", "frames"), rows)
     findings(
         [
-            *((source.key, finding) for source in report.sources for finding in source.findings),
+            *((source.name or source.key, finding) for source in report.sources for finding in source.findings),
             *(("", finding) for finding in report.findings),
         ],
         all_of_them=f"--json; those that were kept: {shlex.join(['tactiledata', 'info', str(report.store), '--json'])}",
     )
     for source in report.sources:
         if source.error:
-            say(f"  not read {source.key}: {source.error}")
+            say(f"  not read {source.words}: {source.error}")
     # files that are no recordings
     say_left_alone(report.unclaimed)
     # counts, and what to do next
@@ -113,6 +115,5 @@ def _print(report: Any) -> None:
     if report.changed:
         from tactiledata.store.read.reader import Store
 
-        store = Store.open(report.store)
-        for line in [stale_split(store, name) for name in report.stale_splits] or [first_split(store)]:
+        for line in next_steps(Store.open(report.store)):
             say(line)

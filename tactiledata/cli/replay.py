@@ -8,10 +8,15 @@ from typing import Any
 
 import typer
 
-from tactiledata.cli.documents import calibration_document, effects_document
+from tactiledata.cli.documents import (
+    calibration_document,
+    effects_document,
+    made_of_another_store,
+    refuse_result_of_another_store,
+)
 from tactiledata.cli.explain import damage_explains
 from tactiledata.cli.given_values import INDENTERS, need_folder, need_writable_folder, refuse_given
-from tactiledata.cli.output import JSON_OPTION, emit, progress, say
+from tactiledata.cli.output import JSON_OPTION, emit, err, plain, progress, say
 from tactiledata.cli.task_options import SCHEDULER, SIMULATION_WORKERS, workers_of
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
 from tactiledata.contract.extras import GEL, PAGE, need_packages
@@ -53,7 +58,9 @@ def replay(
     keep: str = typer.Option("all", "--keep", help="Nodes whose displacements are stored: all or surface."),
     name: str = typer.Option(None, "--name", help="Name in the store [default: low, low-linear, high, high-linear]."),
     replace: bool = typer.Option(
-        False, "--replace", help="Replace a mesh of this name that was made with other options, or is damaged."
+        False,
+        "--replace",
+        help="Replace a mesh of this name that was made with other options or is damaged, and a page of another store.",
     ),
     indenters: Path = typer.Option(None, "--indenters", help="Folder of the mesh files that recordings name."),
     pad: Path = typer.Option(None, "--pad", help="Pad mesh of your own (.mesh, .msh, .vtk), for all sensors."),
@@ -124,6 +131,16 @@ def replay(
     need_writable_folder(out, f"replay-{options.mesh_name}.html")
     # replay
     location = working_store(store)
+    opened = Store.open(location)
+    refuse_result_of_another_store(out / f"replay-{options.mesh_name}.html", opened, replace)
+    elsewhere = [
+        f"{path}: {words}"
+        for path, document in ((calibration, calibrated), (effects, diagnosed))
+        if (words := made_of_another_store(document, opened))
+    ]
+    if not as_json:
+        for words in elsewhere:
+            err().print(plain(f"note: {words}"))
     with damage_explains(location), progress("replaying", quiet=as_json) as report_progress:
         flagged = set(flagged_trajectories(Store.open(location))) if Path(location).is_dir() else set()
         report = attach(location, options, workers_of(workers, scheduler), scheduler, report_progress, replace)
@@ -131,7 +148,12 @@ def replay(
     played = sorted(flagged.difference(*report.refused.values())) if report.with_mesh else []
     # print
     if as_json:
-        told = {"material_from": origins, "flagged": played, "page": None if page is None else str(page)}
+        told = {
+            "material_from": origins,
+            "of_other_stores": elsewhere,
+            "flagged": played,
+            "page": None if page is None else str(page),
+        }
         emit({**report.document(), **told})
     else:
         for line in report.lines():

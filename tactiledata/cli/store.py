@@ -13,9 +13,11 @@ from tactiledata.cli.next_steps import next_steps
 from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say, table
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
 from tactiledata.contract.extras import PAGE, need_packages
-from tactiledata.contract.wording import counted
+from tactiledata.contract.wording import counted, listed
 from tactiledata.errors import UnknownName
 
+MOST_NAMED = 4
+"""Recordings that `info` names of each camera."""
 MOST_FLAGS = 20
 """Flagged trajectories that `info` lists."""
 
@@ -33,25 +35,32 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
 
     Example: tactiledata info ds.zarr
     """
+    from tactiledata.formats.mcap.passed_over import TOPIC_LEFT
+    from tactiledata.ingest.checks.beside import findings_beside
     from tactiledata.store.read.overview import found_in, overview, shown_rate
     from tactiledata.store.read.reader import Store
+    from tactiledata.store.read.recording_names import recording_names
     from tactiledata.store.read.simulated import simulated_recordings
 
     location = working_store(store)
     with damage_explains(location):
         opened = Store.open(location)
-        facts = overview(opened)
-        told = found_in(opened) if as_json else []
+        beside = findings_beside(opened)
+        facts = overview(opened, beside)
+        told = found_in(opened, beside) if as_json else []
     if as_json:
         emit({**facts, "all_findings": told})
         return
-    # recordings, sensors, indenters and signals
+    # recordings, cameras, sensors, indenters and signals
     say(
         f"{opened.location}: {counted(facts['sources'], 'recording')}, "
         f"{counted(facts['trajectories'], 'trajectory')}, {counted(facts['frames'], 'image')}"
     )
     if sentence := simulated_recordings(opened).sentence:
         say(sentence)
+    cameras = [(name, row["frames"], listed(row["recordings"], MOST_NAMED)) for name, row in facts["by_camera"].items()]
+    if cameras:
+        table("", ("camera", "images", "recordings"), cameras)
     sensors = [
         (name, row["model"] or "-", row["trajectories"], row["frames"]) for name, row in facts["by_sensor"].items()
     ]
@@ -88,9 +97,13 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
     for line in _flag_lines(opened.location, facts["flagged"]):
         say(line)
     if facts["status"]:
-        say(f"status: {', '.join(f'{count} {status}' for status, count in sorted(facts['status'].items()))}")
+        statuses = ", ".join(f"{count} {status}" for status, count in sorted(facts["status"].items()))
+        left = facts["findings"].get(TOPIC_LEFT, {"sources": 0})["sources"]
+        say(f"status: {statuses}{f'; of {left} of them a wrench, tcp or images are not read' if left else ''}")
     for code, row in sorted(facts["findings"].items()):
         say(f"  {row['severity']:<7} {code}: {row['count']} in {counted(row['sources'], 'recording')}")
+    keys = recording_names(opened)
+    findings((keys[row], finding) for row, found in beside.items() for finding in found)
     say(f"digest: {opened.digest}")
     with damage_explains(location):
         for line in next_steps(opened):

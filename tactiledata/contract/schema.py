@@ -53,7 +53,7 @@ PAGES = {
 
 
 def shipped_folder(name: str) -> Traversable:
-    """The folder ``schemas`` or ``recipes``: inside the installed package, or beside it in a source checkout."""
+    """The folder ``schemas``, ``recipes`` or ``docs``: in the installed package, or beside it in a source checkout."""
     inside = resources.files("tactiledata") / name
     return inside if inside.is_dir() else Path(__file__).resolve().parents[2] / name
 

@@ -158,8 +158,9 @@ def no_counts() -> dict[str, Any]:
 
 
 def count(noted: dict[str, Any], batch: FrameBatch) -> None:
-    """Add to the notes of a file at how many frames of a batch each stream has no value, and its new pictures."""
+    """Add a batch to the notes of a file: frames of each part without a stream's value, and pictures made anew."""
     for name, values in batch.values.items():
         if lacking := int((~np.isfinite(values)).any(axis=1).sum()):
-            noted["missing"][name] = noted["missing"].get(name, 0) + lacking
+            of_parts = noted["missing"].setdefault(name, {})
+            of_parts[batch.part] = of_parts.get(batch.part, 0) + lacking
     noted["remade"] += sum(not is_unchanged for _, _, is_unchanged in batch.pictures)

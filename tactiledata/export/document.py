@@ -6,12 +6,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from tactiledata.contract.provenance import digest_of, provenance
-from tactiledata.contract.wording import counted
+from tactiledata.contract.wording import agreeing, counted
 from tactiledata.export.base import ExportedFile, Exporter, FileFacts
 from tactiledata.export.episodes import Episodes
 from tactiledata.export.meanings import stream_facts
 from tactiledata.export.plan import ExportPlan
 from tactiledata.loaders.streams import Stream
+from tactiledata.splits.options import PARTITIONS
 from tactiledata.store.read.flags import flag_words
 from tactiledata.store.read.simulated import simulated_recordings
 
@@ -46,13 +47,15 @@ def export_document(
         What was noted of each large file.
     """
     store = episodes.store
-    missing: dict[str, int] = {}
+    missing: dict[str, dict[str, int]] = {}
     remade = undescribed = 0
     for noted in facts:
         remade += noted.get("remade", 0)
         undescribed += noted.get("undescribed", 0)
-        for name, count in noted.get("missing", {}).items():
-            missing[name] = missing.get(name, 0) + count
+        for name, of_parts in noted.get("missing", {}).items():
+            known = missing.setdefault(name, {})
+            for part, count in of_parts.items():
+                known[part] = known.get(part, 0) + count
     inputs = {"store": store.digest, **({} if split is None else {"split": digest_of(split)})}
     return {
         "format": FORMAT,
@@ -71,7 +74,11 @@ def export_document(
         "simulated_recordings": simulated_recordings(store).document(),
         "left_out": exporter.left_out(episodes),
         "lost": list(exporter.lost),
-        "remarks": [*_general_remarks(exporter, episodes, missing, remade, undescribed), *exporter.remarks(episodes)],
+        "remarks": [
+            *(_without_frames(split["counts"], _parts(episodes)) if exporter.at_frames and split is not None else ()),
+            *_general_remarks(exporter, episodes, missing, remade, undescribed),
+            *exporter.remarks(episodes),
+        ],
         "provenance": provenance("export-data", inputs, plan.document()),
     }
 
@@ -86,14 +93,42 @@ def _parts(episodes: Episodes) -> dict[str, dict[str, int]]:
     return counts
 
 
-def _streams(exporter: Exporter, episodes: Episodes, missing: Mapping[str, int]) -> dict[str, dict[str, Any]]:
+def _without_frames(counts: Mapping[str, Any], parts: Mapping[str, Mapping[str, int]]) -> list[str]:
+    """Say how many trajectories of each part of a split an export does not hold; nothing where it holds all.
+
+    Parameters
+    ----------
+    counts : dict, part -> counts
+        Of the split.
+    parts : dict, part -> counts
+        Of the export; a part without an episode is not in it.
+    """
+    lacking = {
+        part: count
+        for part in PARTITIONS
+        if (count := counts[part]["trajectories"] - parts.get(part, {"trajectories": 0})["trajectories"]) > 0
+    }
+    if not lacking:
+        return []
+    total = sum(lacking.values())
+    where = ", ".join(f"{part} {count}" for part, count in lacking.items())
+    return [
+        f"{counted(total, 'trajectory')} of the split {agreeing(total, 'is', 'are')} not in this export ({where}): "
+        f"of {agreeing(total, 'it', 'them')} the split takes no frame, or none of this camera can be read."
+    ]
+
+
+def _streams(
+    exporter: Exporter, episodes: Episodes, missing: Mapping[str, Mapping[str, int]]
+) -> dict[str, dict[str, Any]]:
     """Return name, columns, units, frame and meaning of each stream as it is kept."""
     store = episodes.store
     found = {}
     for stream in exported_streams(exporter, episodes):
         facts = episodes.stream_facts.get(stream.name) or stream_facts(store, stream)
         kept = exporter.kept_as(stream.name, episodes)
-        found[stream.name] = {"kept_as": kept, **facts, "missing": missing.get(stream.name, 0)}
+        of_parts = dict(missing.get(stream.name, {}))
+        found[stream.name] = {"kept_as": kept, **facts, "missing": sum(of_parts.values()), "missing_in": of_parts}
     return found
 
 
@@ -112,7 +147,7 @@ def _columns(episodes: Episodes, name: str) -> tuple[tuple[str, ...], tuple[str,
 
 
 def _general_remarks(
-    exporter: Exporter, episodes: Episodes, missing: Mapping[str, int], remade: int, undescribed: int
+    exporter: Exporter, episodes: Episodes, missing: Mapping[str, Mapping[str, int]], remade: int, undescribed: int
 ) -> list[str]:
     """Return what an export derives, and which values it lacks, whatever its format."""
     remarks = []
@@ -129,8 +164,13 @@ def _general_remarks(
         )
     elif exporter.at_frames:
         remarks.append("There is no action: none was recorded, and none was derived.")
-    for name, count in missing.items():
-        remarks.append(f"`{name}` has no value at {counted(count, 'frame')}: NaN or null there, never zero.")
+    for name, of_parts in missing.items():
+        total = sum(of_parts.values())
+        where = ", ".join(f"{part} {count:,}" for part, count in of_parts.items())
+        remarks.append(
+            f"`{name}` has no value at {counted(total, 'frame')} ({where}): NaN or null there, never zero. "
+            "A training loop that reads it leaves these frames out."
+        )
     if remade:
         remarks.append(
             f"{counted(remade, 'picture')} became PNG, without loss: raw frames, and files that readers understand in "

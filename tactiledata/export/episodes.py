@@ -33,6 +33,8 @@ class FrameBatch:
     Parameters
     ----------
     episode : int
+    part : str
+        Of the split, as the episode's.
     first : int
         Place of the first frame in the episode.
     rows, t_ns : (n,) int64
@@ -46,6 +48,7 @@ class FrameBatch:
     """
 
     episode: int
+    part: str
     first: int
     rows: NDArray[np.int64]
     t_ns: NDArray[np.int64]
@@ -194,6 +197,7 @@ class Episodes:
             values["action"] = values_at_frames(self.store, self.action, self.index.rows[following])
         return FrameBatch(
             episode,
+            self.parts[episode],
             start - first,
             rows,
             self.index.t_ns[start:stop],

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -84,7 +84,12 @@ def export_data(
     split = None if chosen == NO_SPLIT else dict(load_split(store, chosen).document)
     flags = {uid: flag.reason for uid, flag in flagged_trajectories(store).items()}
     key = plan.key(store.digest, store.row_state, split, flags)
-    if (document := finished_export(out, key, replace_other)) is not None:
+
+    def unlike(document: Mapping[str, Any]) -> list[str]:
+        """Say in what a finished export at the place is another one."""
+        return plan.unlike(document, store.digest, split)
+
+    if (document := finished_export(out, key, replace_other, unlike)) is not None:
         shutil.rmtree(replaced_folder(out), ignore_errors=True)
         return ExportReport(out, document, was_there=True)
     # what is wrong with the options is said before anything is made

@@ -10,7 +10,7 @@ import fcntl
 import json
 import os
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -40,7 +40,9 @@ def read_export(folder: Path) -> dict[str, Any] | None:
     return document if is_ours and fits_seal(content) else None
 
 
-def finished_export(out: Path, key: str, replace: bool) -> dict[str, Any] | None:
+def finished_export(
+    out: Path, key: str, replace: bool, unlike: Callable[[Mapping[str, Any]], Sequence[str]]
+) -> dict[str, Any] | None:
     """Return the document of the export that is wanted where it is there already, ``None`` where it must be made.
 
     Parameters
@@ -51,6 +53,8 @@ def finished_export(out: Path, key: str, replace: bool) -> dict[str, Any] | None
         Digest of all that decides the bytes of the export.
     replace : bool
         Whether another export may be replaced.
+    unlike : callable
+        Says in what the export with a document differs from the one that is wanted.
 
     Raises
     ------
@@ -80,7 +84,11 @@ def finished_export(out: Path, key: str, replace: bool) -> dict[str, Any] | None
     if document["key"] == key and not fault:
         return document
     if not replace:
-        what = f"an export that lacks {fault}" if fault else f"another export ({document['to']})"
+        what = (
+            f"an export that lacks {fault}"
+            if fault
+            else f"another export ({document['to']}): {'; '.join(unlike(document))}"
+        )
         raise UsageError(
             f"{out} holds {what}",
             "an empty folder, or an export of the same store with the same options",

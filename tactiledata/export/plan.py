@@ -68,6 +68,30 @@ class ExportPlan:
                 f"Leave {' and '.join(named)} out.",
             )
 
+    def unlike(self, document: Mapping[str, Any], store_digest: str, split: Mapping[str, Any] | None) -> list[str]:
+        """Say in what a finished export differs from one by this plan, as far as its document tells.
+
+        Parameters
+        ----------
+        document : dict
+            That of the finished export.
+        store_digest : str
+            Digest of the store's content.
+        split : dict, optional
+            The document of the split.
+        """
+        made = document["provenance"]
+        differing = []
+        if made["version"] != __version__:
+            differing.append(f"it was made by tactiledata {made['version']}")
+        if document["store"]["digest"] != store_digest:
+            differing.append("the store holds something else by now, or it is another store")
+        for name, wanted in self.document().items():
+            if name != "split" and (there := made["settings"].get(name)) != wanted:
+                differing.append(f"--{name.replace('_', '-')} is {_option(wanted)} and was {_option(there)}")
+        differing += _unlike_split(document["split"], split)
+        return differing or ["recordings were replaced or flags were set since, in the same store"]
+
     def document(self) -> dict[str, Any]:
         """Return the options as JSON values."""
         return {**vars(self), "streams": None if self.streams is None else list(self.streams)}
@@ -102,3 +126,30 @@ class ExportPlan:
                 "flags": dict(flags),
             }
         )
+
+
+def _option(value: object) -> str:
+    """Return an option of an export as a person types it."""
+    if isinstance(value, list | tuple):
+        return ",".join(map(str, value))
+    return str(value) if value not in (None, "") else "left out"
+
+
+def _unlike_split(there: Mapping[str, Any] | None, wanted: Mapping[str, Any] | None) -> list[str]:
+    """Say how the split of a finished export differs from the one that is wanted."""
+    if there is None or wanted is None:
+        return [] if there == wanted else ["--split is " + ("another" if wanted else "none, and was not")]
+    if there["name"] != wanted["name"]:
+        return [f"--split is {wanted['name']} and was {there['name']}"]
+    if there["table"]["sha256"] != wanted["table"]["sha256"]:
+        return [f"the split {wanted['name']} has other parts"]
+    options = [
+        f"{name} {wanted['options'].get(name)} instead of {there['options'].get(name)}"
+        for name in sorted({*there["options"], *wanted["options"]})
+        if there["options"].get(name) != wanted["options"].get(name)
+    ]
+    if options:
+        return [f"the split {wanted['name']} has the same parts and was drawn with {', '.join(options)}"]
+    if {**there, "provenance": None} != {**wanted, "provenance": None}:
+        return [f"the split {wanted['name']} has the same parts and was drawn again, with other remarks or counts"]
+    return []

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -21,22 +21,24 @@ from tactiledata.contract.schema import check_document
 from tactiledata.contract.take import FrameFlag, Take, findings_of, findings_table
 from tactiledata.errors import BrokenLog, MissingFile, StoreError
 from tactiledata.formats import FORMATS
+from tactiledata.ingest.checks.beside import findings_beside
 from tactiledata.ingest.checks.blank_images import blank_images
 from tactiledata.ingest.checks.checks import broken_images, check_take, flag_images
 from tactiledata.ingest.checks.conflicts import conflict_findings
 from tactiledata.ingest.checks.spooled import SpooledImages
-from tactiledata.ingest.checks.twins import twin_findings
 from tactiledata.ingest.clocks.lag import camera_lag
-from tactiledata.ingest.sources.discover import find_sources, unclaimed_findings
+from tactiledata.ingest.sources.discover import find_sources, places_apart, unclaimed_findings
 from tactiledata.ingest.sources.refused import refusals_told
 from tactiledata.ingest.sources.replacing import replace_recordings
 from tactiledata.ingest.sources.reports import IngestReport, SourceReport, report_of, with_copies
 from tactiledata.ingest.trajectories.assemble import IngestOptions, assemble
+from tactiledata.splits.manifest import unusable_splits
 from tactiledata.store.check.lost_files import need_tables
 from tactiledata.store.layout.lock import reading_lock
 from tactiledata.store.layout.manifest import read_manifest
 from tactiledata.store.layout.places import staging_folder
 from tactiledata.store.read.reader import Store
+from tactiledata.store.read.recording_names import recording_names
 from tactiledata.store.write.commit import commit_groups, recover
 from tactiledata.store.write.intake import intake
 from tactiledata.store.write.spool import Spool
@@ -114,7 +116,6 @@ def ingest(
         tasks = [_Task(source, str(folder.resolve()), chosen, present, replace) for source in sources]
         watch = _Watch(len(tasks), progress)
         outcomes = _told(runner.outcomes(_read_source, tasks), watch)
-        splits = Store.open(folder).split_names()
         findings: list[Finding] = []
         if replace:
             reports, findings = replace_recordings(folder, map(_as_read, outcomes))
@@ -122,23 +123,30 @@ def ingest(
             reports = []
             otherwise = _ingested_otherwise(folder, chosen)
             commit_groups(folder, _staged_takes(outcomes, set(present), otherwise, reports), watch.stored)
-        reports = _compared(with_copies(reports), folder)
+        reports = _compared(with_copies(reports), folder, places_apart(sources))
         recover(folder)  # copies of what was committed need not wait
+        stale = unusable_splits(Store.open(folder))
     left, said = unclaimed_findings(unclaimed)
     report = IngestReport(str(store), tuple(reports), tuple(map(str, left)), (*findings, *said))
-    return dataclasses.replace(report, stale_splits=tuple(splits)) if report.changed else report
+    return dataclasses.replace(report, stale_splits=tuple(stale)) if report.changed else report
 
 
-def _compared(reports: list[SourceReport], folder: Path) -> list[SourceReport]:
-    """Reports, each with what its recording contradicts in the store, and with its twin there, where it has one."""
+def _compared(reports: list[SourceReport], folder: Path, places: Mapping[str, str]) -> list[SourceReport]:
+    """Reports, each with what its recording contradicts in the store, with what it is beside others, and its name."""
     store = Store.open(folder)
-    twins = twin_findings(store, [report.sha256 for report in reports])
+    digests = store.sources(["sha256"])["sha256"].to_pylist()
+    names = dict(zip(digests, recording_names(store), strict=True))
+    beside = {digests[row]: found for row, found in findings_beside(store).items()}
     conflicts = conflict_findings(store, {report.sha256 for report in reports if report.state in ("added", "replaced")})
-    compared = []
-    for report in reports:
-        said = [*conflicts.get(report.sha256, ()), *([twins[report.sha256]] if report.sha256 in twins else [])]
-        compared.append(dataclasses.replace(report, findings=(*report.findings, *said)))
-    return compared
+    return [
+        dataclasses.replace(
+            report,
+            findings=(*report.findings, *conflicts.get(report.sha256, ()), *beside.get(report.sha256, ())),
+            name=names.get(report.sha256, ""),
+            place=places.get(report.key, ""),
+        )
+        for report in reports
+    ]
 
 
 class _Watch:

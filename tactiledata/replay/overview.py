@@ -16,6 +16,7 @@ from tactiledata.report.panels import panels_of
 from tactiledata.report.replay_plots import ReplayedTouch, draw_replayed
 from tactiledata.store.layout.places import folder_name
 from tactiledata.store.read.meshes import HAS_MESH, StoredMesh
+from tactiledata.store.read.named_trajectories import full_names
 from tactiledata.store.read.reader import Store
 from tactiledata.store.read.simulated import simulated_recordings, touch_mark
 
@@ -146,7 +147,7 @@ def replayed_touch(store: Store, mesh: StoredMesh, row: int) -> ReplayedTouch:
     displacement = np.zeros_like(pad.vertices[number])
     displacement[pad.kept] = mesh.displacement(frames[shown : shown + 1])[0]
     native, measured = _measured(store, facts["signal_rows"], facts["start_ns"])
-    names = [facts["sensor"], facts["indenter"], facts["trajectory"]]
+    names = [facts["sensor"], facts["indenter"], full_names(store)[row]]
     title = "  ".join([*names, *filter(None, [touch_mark(store, row)])])
     return ReplayedTouch(
         title, native, measured, seconds, simulated, seconds[shown], pad.vertices[number], displacement, pad.triangles

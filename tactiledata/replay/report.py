@@ -8,13 +8,17 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from tactiledata.contract.simulated import SimulatedCount
-from tactiledata.contract.wording import LINEAR_IS_LOW, counted
+from tactiledata.contract.wording import LINEAR_IS_LOW, counted, listed
 from tactiledata.replay.effect_words import effects_in_words
 from tactiledata.replay.plan import ReplayPlan
 from tactiledata.replay.untouched import UntouchedTouch, untouched_lines, untouched_touches
 from tactiledata.store.read.meshes import HAS_MESH
+from tactiledata.store.read.named_trajectories import full_names
 from tactiledata.store.read.reader import Store
 from tactiledata.store.read.simulated import simulated_recordings
+
+MOST_NAMED = 3
+"""Trajectories that a line names of those that could not be replayed for one reason."""
 
 
 @dataclass(frozen=True)
@@ -43,6 +47,8 @@ class ReplayReport:
         Frames with a mesh, in contact or in free air.
     simulated : SimulatedCount
         How many of the store's recordings are themselves simulated.
+    names : dict, uid -> full name
+        Of the trajectories that could not be replayed.
     untouched : tuple of UntouchedTouch
         Trajectories that were pressed, as the measured forces say, and that never touch the gel in this mesh.
     """
@@ -58,6 +64,7 @@ class ReplayReport:
     refused: Mapping[str, tuple[str, ...]]
     with_mesh: int
     simulated: SimulatedCount
+    names: Mapping[str, str]
     untouched: tuple[UntouchedTouch, ...] = ()
 
     @classmethod
@@ -81,8 +88,11 @@ class ReplayReport:
                 refused.setdefault(touch.reason, []).append(touch.uid)
         reasons = {reason: tuple(uids) for reason, uids in refused.items()}
         simulated = simulated_recordings(store)
+        uids = store.trajectories(["uid"])["uid"].to_pylist()
+        left = {uid for of_reason in refused.values() for uid in of_reason}
+        names = {uid: full for uid, full in zip(uids, full_names(store), strict=True) if uid in left}
         if name not in store.mesh_names:
-            return cls(str(store.location), name, "", "", {}, 0, len(plan.touches), {}, reasons, 0, simulated)
+            return cls(str(store.location), name, "", "", {}, 0, len(plan.touches), {}, reasons, 0, simulated, names)
         mesh = store.mesh(name)
         counts = Counter({int(code): count for code, count in mesh.facts["counts"].items()})
         return cls(
@@ -97,6 +107,7 @@ class ReplayReport:
             refused=reasons,
             with_mesh=sum(counts[code] for code in HAS_MESH),
             simulated=simulated,
+            names=names,
             untouched=untouched_touches(store, name, plan),
         )
 
@@ -123,8 +134,8 @@ class ReplayReport:
             lines.append(f"  with {self.effects}; the wrench is what the force sensor would read")
         lines += [f"  {counted(count, 'frame')}: {words}" for words, count in self.status.items()]
         for reason, uids in self.refused.items():
-            listed = ", ".join(uids[:3]) + (" …" if uids[3:] else "")
-            lines.append(f"  {counted(len(uids), 'trajectory')} not replayed ({listed}): {reason}")
+            named = listed([self.names[uid] for uid in uids], MOST_NAMED)
+            lines.append(f"  {counted(len(uids), 'trajectory')} not replayed ({named}): {reason}")
         lines += untouched_lines(self.untouched, self.store)
         if self.simulated.sentence:
             lines.append(f"  {self.simulated.sentence}")

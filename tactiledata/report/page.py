@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import base64
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING
 
 from tactiledata.contract.simulated import NOTHING_STATED, SimulatedCount
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 
 CODE = re.compile(r"`([^`\n]+)`")
 """What a sentence quotes of a command or a program."""
+WORD = re.compile(r"\[([a-z0-9-]+)\]")
+"""What may be a word of a page's glossary."""
 PROSE = 60
 """Letters of a cell from which it is a sentence: its column is not squeezed to a few letters on a phone."""
 TEMPLATE = """<!doctype html>
@@ -85,7 +88,7 @@ footer { margin-top: 3rem; font-size: .8rem; color: var(--grey); overflow-wrap: 
 {{ paragraphs(section.sentences) }}
 {% if section.rows %}<div class="scroll" role="region" tabindex="0" aria-label="Table: {{ section.title }}"><table><tr>
 {%- for name in section.columns %}{% if name %}<th scope="col">{{ name }}</th>{% else %}<td></td>{% endif %}{% endfor %}</tr>
-{% for row in section.rows %}<tr>{% for cell in row %}<td{% if cell is number %} class="number"{% elif cell | string | length > prose %} class="prose"{% endif %}>{{ "{:,}".format(cell) if cell is integer else cell }}</td>{% endfor %}</tr>
+{% for row in section.rows %}<tr{% if section.is_glossary %} id="word-{{ row[0] }}"{% endif %}>{% for cell in row %}<td{% if cell is number %} class="number"{% elif cell | string | length > prose %} class="prose"{% endif %}>{{ "{:,}".format(cell) if cell is integer else cell }}</td>{% endfor %}</tr>
 {% endfor %}</table></div>{% endif %}
 {% for picture in section.pictures %}{{ shown(picture) }}{% endfor %}
 {% for block in section.code %}<pre tabindex="0">{{ block }}</pre>{% endfor %}
@@ -198,6 +201,8 @@ class Section:
         Commands or programs to copy.
     is_folded : bool
         Whether only the heading is seen until a reader opens the section.
+    is_glossary : bool
+        Whether the first cell of each row is a word to which sentences lead that have it in square brackets.
     """
 
     title: str
@@ -207,6 +212,7 @@ class Section:
     pictures: Sequence[Picture] = field(default_factory=tuple)
     code: Sequence[str] = ()
     is_folded: bool = False
+    is_glossary: bool = False
 
 
 def render_page(
@@ -238,7 +244,8 @@ def render_page(
     from jinja2 import Environment, StrictUndefined
 
     environment = Environment(autoescape=True, undefined=StrictUndefined)
-    environment.filters["with_code"] = _with_code
+    words = frozenset(str(row[0]) for section in sections if section.is_glossary for row in section.rows)
+    environment.filters["with_code"] = partial(_with_code, words=words)
     return environment.from_string(TEMPLATE).render(
         title=simulated.titled(title),
         sentences=[
@@ -253,8 +260,14 @@ def render_page(
     )
 
 
-def _with_code(text: str) -> Markup:
-    """Return a sentence as HTML, what stands between backticks set as code; all text is escaped."""
+def _with_code(text: str, words: Collection[str] = ()) -> Markup:
+    """Return a sentence as HTML, code between backticks set as such, and words of a glossary as links to it."""
     from markupsafe import Markup, escape
 
-    return Markup(CODE.sub(r"<code>\1</code>", str(escape(text))))
+    coded = CODE.sub(r"<code>\1</code>", str(escape(text)))
+
+    def linked(found: re.Match[str]) -> str:
+        """Return a word in brackets as a link where the glossary has it."""
+        return f'[<a href="#word-{found[1]}">{found[1]}</a>]' if found[1] in words else found[0]
+
+    return Markup(WORD.sub(linked, coded))

@@ -29,6 +29,7 @@ from tactiledata.errors import (
     NotFetched,
     SchemaError,
     StoreError,
+    TactileDataError,
     UnknownName,
 )
 from tactiledata.splits.again import command
@@ -254,6 +255,17 @@ def load_split(store: Store, name: str) -> Split:
             name=name,
         )
     return split
+
+
+def unusable_splits(store: Store) -> list[str]:
+    """Return the names of the splits of a store that do not know all its trajectories, or are damaged."""
+    names = []
+    for name in store.split_names():
+        try:
+            load_split(store, name)
+        except TactileDataError:
+            names.append(name)
+    return names
 
 
 def coverage_problem(split: Split, uids: pa.ChunkedArray) -> str:

@@ -27,7 +27,9 @@ def chosen_trajectories(store: Store, options: ViewOptions) -> tuple[list[int], 
         A name that several trajectories have, or nothing is left to show.
     """
     table = store.trajectories(["uid", "sensor", "indenter"])
-    rows: Iterable[int] = named_trajectories(store, options.names) if options.names else range(table.num_rows)
+    rows: Iterable[int] = (
+        named_trajectories(store, options.names, whole_recordings=True) if options.names else range(table.num_rows)
+    )
     for kind, wanted in (("sensor", options.sensor), ("indenter", options.indenter)):
         if wanted is not None:
             known = table[kind].to_pylist()

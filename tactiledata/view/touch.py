@@ -13,6 +13,7 @@ from tactiledata.contract.description import LogDescription
 from tactiledata.contract.simulated import Kind
 from tactiledata.store.read.flags import Flag, flagged_trajectories
 from tactiledata.store.read.reader import Store
+from tactiledata.store.read.recording_names import recording_names
 from tactiledata.store.read.simulated import trajectory_kinds
 
 
@@ -93,6 +94,7 @@ class TouchReader:
         self._store = store
         self._table = store.trajectories()
         self._sources = store.sources(["key", "description", "contents"])
+        self._names = recording_names(store)
         self._kinds = trajectory_kinds(store)
         self._flags = flagged_trajectories(store)
         frames = store.frames(["source", "t_ns"])
@@ -111,7 +113,7 @@ class TouchReader:
         }
         return ViewedTouch(
             facts=facts,
-            recording=source["key"],
+            recording=self._names[facts["source"]],
             description=LogDescription(json.loads(source["description"])),
             signals=signals,
             aligned={entry["name"]: stored for stored, entry in contents["aligned"].items()},

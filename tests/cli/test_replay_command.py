@@ -99,6 +99,19 @@ def test_a_calibration_gives_material_and_offsets(store, capsys):
     assert "--replace" in json.loads(out)["hint"]
 
 
+def test_a_calibration_of_another_store_is_taken_and_said(store, capsys):
+    """Its material serves; a line, and the JSON, say that none of its touches is in this store."""
+    other = calibration({}) | {"provenance": {"inputs": {"store": "0" * 64}}}
+    other["trajectories"] = {**other["trajectories"], "fitted": ["a" * 16, "b" * 16]}
+    Path("calibration.json").write_text(json.dumps(other))
+    options = ("--fidelity", "linear", "--calibration", "calibration.json")
+    code, _, err = run_command(capsys, "replay", *options)
+    assert code == 0, err
+    assert "note: calibration.json: it was made from another store: this one holds none of its 2" in err
+    code, out, _ = run_command(capsys, "replay", *options, "--json")
+    assert len(json.loads(out)["of_other_stores"]) == 1
+
+
 def test_a_missing_material_is_said_before_anything_is_loaded(store, capsys, monkeypatch):
     """It names what is missing in words and as the options that state it; the gel's engine is not imported for it."""
     monkeypatch.setitem(sys.modules, "tactiledata.replay.attach", None)

@@ -8,11 +8,13 @@ from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
+import yaml
 from command import run_command
 from copied_trees import copy_tree
 
 from tactiledata.contract.sealed import sealed_json
-from tactiledata.ingest.sources.overview import page
+from tactiledata.ingest.pipeline import ingest
+from tactiledata.ingest.sources.overview import page, touch_picture
 from tactiledata.store.read.reader import Store
 
 
@@ -74,3 +76,17 @@ def test_no_split_is_said(written):
     text = written(lambda store: shutil.rmtree(store / "splits"))
     assert "There is no split yet" in text
     assert "tactiledata split" in text
+
+
+def test_a_force_in_another_frame_is_drawn(tiny_mcaps, tiny_folders, tmp_path):
+    """A recording whose force stays in the sensor's frame, beside one in the gel frame, is drawn with its own force."""
+    log = copy_tree(tiny_folders[0], tmp_path / "log")
+    described = yaml.safe_load((log / "log.yaml").read_text())
+    del described["robot"]["tcp_from_gel"]
+    (log / "log.yaml").write_text(yaml.safe_dump(described))
+    ingest([tiny_mcaps[1], log], tmp_path / "ds.zarr")
+    store = Store.open(tmp_path / "ds.zarr")
+    assert "contact_wrench@ft" in store.signal_names
+    drawn = [touch_picture(store, row) for row in range(store.trajectories().num_rows)]
+    assert all(touch.has_force for touch in drawn)
+    assert {touch.force_frame for touch in drawn} == {"gel", "ft"}

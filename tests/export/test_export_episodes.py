@@ -14,6 +14,9 @@ from tactiledata.errors import LeakError, MissingSplit, UnknownName, UsageError
 from tactiledata.export.find_episodes import UNSPLIT, find_episodes
 from tactiledata.export.plan import ExportPlan
 from tactiledata.loaders.selection import FlaggedTrajectoriesWarning
+from tactiledata.splits.make import make_split
+from tactiledata.splits.manifest import load_split
+from tactiledata.store.read.reader import Store
 
 
 def test_parts_hold_their_own_readable_frames(parted):
@@ -58,6 +61,26 @@ def test_groups_keep_parts_apart(parted):
         assert all(len({*episodes.parts[start:stop]}) == 1 for start, stop in groups)
     assert len(episodes.groups(1)) == len(episodes)
     assert len(episodes.groups(10**9)) == 3
+
+
+def test_trajectories_of_the_split_that_are_not_there_are_counted(tiny_store, tmp_path):
+    """Where the split takes no frame of a trajectory, its parts count more than the export holds, and that is said."""
+    place = copy_tree(tiny_store, tmp_path / "ds.zarr")
+    store = Store.open(place)
+    peaks = sorted(store.trajectories(["peak_force"])["peak_force"].to_pylist())
+    make_split(store, name="firm", force=((peaks[0] + peaks[1]) / 2, 99.0), hold_out="none")
+    split = load_split(Store.open(place), "firm").document["counts"]
+    assert sum(counts["trajectories"] for counts in split.values()) == len(peaks)
+    _, document = export(Store.open(place), "webdataset", tmp_path / "out", split="firm")
+    there = {part: document["parts"].get(part, {"trajectories": 0})["trajectories"] for part in split}
+    lacking = {part: counts["trajectories"] - there[part] for part, counts in split.items() if part != "excluded"}
+    assert sum(lacking.values()) > 0
+    [said] = [remark for remark in document["remarks"] if "not in this export" in remark]
+    where = ", ".join(f"{part} {count}" for part, count in lacking.items() if count)
+    assert said.startswith(f"{sum(lacking.values())} traject")
+    assert f"not in this export ({where}): of " in said
+    _, document = export(Store.open(place), "webdataset", tmp_path / "all")
+    assert not [remark for remark in document["remarks"] if "not in this export" in remark]
 
 
 @pytest.mark.slow

@@ -11,6 +11,7 @@ import pytest
 from copied_trees import copy_tree
 from exported import digests, export
 
+from tactiledata.contract.sealed import sealed_json
 from tactiledata.errors import StoreBusy, UsageError
 from tactiledata.export import EXPORTERS
 from tactiledata.export import folder as folders
@@ -166,6 +167,32 @@ def test_nothing_else_is_overwritten(what, parted, tmp_path):
     else:
         with pytest.raises(UsageError, match=str(out)):
             export_data(parted, ExportPlan("huggingface"), out, replace_other=True)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({}, r"the split default has the same parts and was drawn with seed 0 instead of 7"),
+        ({"split": "none"}, r"--split is none"),
+        ({"streams": ("wrench",)}, r"--streams is wrench and was left out"),
+        ({"file_mb": 7}, r"--file-mb is 7 and was 100"),
+        ({"to": "huggingface"}, r"--to is huggingface and was webdataset"),
+    ],
+    ids=["a split drawn again", "no split", "streams", "size of files", "format"],
+)
+def test_what_differs_from_the_export_there_is_said(change, words, parted, tmp_path):
+    """Where another export lies at the place, the refusal names what is unlike, and the same export is no change."""
+    out, document = export(parted, "webdataset", tmp_path / "out")
+    assert export_data(parted, ExportPlan("webdataset"), out).was_there
+    if not change:
+        document["split"]["options"]["seed"], document["key"] = 7, "0" * 64
+        document.pop("file_sha256", None)
+        (out / DOCUMENT).write_bytes(sealed_json(document))
+    with pytest.raises(UsageError, match=words) as caught:
+        export_data(parted, ExportPlan(**{"to": "webdataset", **change}), out)
+    assert "--replace" in caught.value.remedy
+    if change:
+        assert "was drawn" not in str(caught.value)
 
 
 def test_files_that_somebody_added_are_not_replaced(parted, tmp_path, monkeypatch):

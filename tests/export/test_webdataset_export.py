@@ -57,7 +57,8 @@ def test_values_that_were_not_recorded_are_null(tmp_path, monkeypatch):
         facts = [json.load(shard.extractfile(each)) for each in shard if each.name.endswith(".json")]
     assert [each["frame"] for each in facts if each["values"]["wrench"] == [None] * 6] == [2]
     assert document["streams"]["wrench"]["missing"] == 1
-    assert any("`wrench` has no value at 1 frame:" in sentence for sentence in document["remarks"])
+    assert document["streams"]["wrench"]["missing_in"] == {"unsplit": 1}
+    assert any("`wrench` has no value at 1 frame (unsplit 1):" in sentence for sentence in document["remarks"])
 
 
 def test_tar_files_say_nothing_of_the_machine(parted, tmp_path):

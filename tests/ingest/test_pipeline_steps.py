@@ -185,22 +185,21 @@ def test_twins_and_conflicts_are_added_to_the_reports(monkeypatch, tmp_path):
     """Conflicts of what came in only, before the twin; what was said before stays first."""
     asked = []
 
-    def twins(store, digests):
-        asked.append(list(digests))
-        return {"a": Finding("twin", "warning", "t"), "p": Finding("twin", "warning", "t")}
+    def beside(store):
+        return {0: (Finding("twin", "warning", "t"),), 2: (Finding("twin", "warning", "t"),)}
 
     def conflicts(store, digests):
         asked.append(sorted(digests))
         return {"a": (Finding("one", "warning", "1"), Finding("two", "warning", "2"))}
 
-    Tables.of(monkeypatch, [])
-    monkeypatch.setattr(pipeline, "twin_findings", twins)
+    Tables.of(monkeypatch, [{"sha256": name, "key": name} for name in ("a", "x", "p")])
+    monkeypatch.setattr(pipeline, "findings_beside", beside)
     monkeypatch.setattr(pipeline, "conflict_findings", conflicts)
     before = (Finding("before", "info", "b"),)
     states = {"a": "added", "r": "replaced", "p": "present"}
     reports = [SourceReport(name, state, findings=before, sha256=name) for name, state in states.items()]
-    found = pipeline._compared([*reports, SourceReport("f", "failed")], tmp_path)
-    assert asked == [["a", "r", "p", ""], ["a", "r"]]
+    found = pipeline._compared([*reports, SourceReport("f", "failed")], tmp_path, {})
+    assert asked == [["a", "r"]]
     assert [[one.code for one in report.findings] for report in found] == [
         ["before", "one", "two", "twin"], ["before"], ["before", "twin"], [],
     ]  # fmt: skip
@@ -254,8 +253,8 @@ def test_what_was_left_out_is_reported(tmp_path):
     assert "1 more" in finding.message
 
 
-def test_splits_of_before_are_named_where_the_store_changed(tmp_path, monkeypatch):
-    """Splits of before are named if the store changed, and not if nothing came in."""
+def test_splits_that_cannot_be_used_are_named_where_the_store_changed(tmp_path, monkeypatch):
+    """Splits that the store has no longer are named if it changed, and not if nothing came in."""
     log, store = picture_folder(tmp_path / "run"), tmp_path / "ds.zarr"
     ingest([log], store)
     monkeypatch.setattr(Store, "split_names", lambda self: ["default"])

@@ -126,8 +126,8 @@ def test_a_recording_that_only_has_the_same_name_is_added(tiny_mcaps, tmp_path):
     assert Store.open(tmp_path / "ds.zarr").sources().num_rows == 2
 
 
-def test_the_summary_says_that_splits_are_of_before(tiny_mcaps, tiny_store, tmp_path):
-    """The command says what was replaced, and which split has to be drawn anew."""
+def test_the_summary_says_which_splits_have_to_be_drawn_anew(tiny_mcaps, tiny_store, tmp_path):
+    """The command says what was replaced; a split is out of date where touches came or went, and only there."""
     store = tmp_path / "ds.zarr"
     copy_tree(tiny_store, store)
     mapping = tmp_path / "mapping.yaml"
@@ -136,6 +136,11 @@ def test_the_summary_says_that_splits_are_of_before(tiny_mcaps, tiny_store, tmp_
     assert "--replace" in CliRunner().invoke(app, words).output
     said = CliRunner().invoke(app, [*words, "--replace"]).output
     assert "1 replaced" in said
+    assert "out of date" not in said
+    assert f"next: tactiledata audit {store} --split default" in said.replace("\n", "")
+    copied = tmp_path / "more.mcap"
+    copied.write_bytes(tiny_mcaps[0].read_bytes() + b"x")
+    said = CliRunner().invoke(app, ["ingest", str(copied), "--store", str(store)]).output
     assert "the split default is out of date" in said
 
 

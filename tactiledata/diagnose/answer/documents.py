@@ -266,6 +266,7 @@ def store_document(done: StoreDiagnosis) -> dict[str, Any]:
         "zeros": [cause.document for cause in done.zeros],
         "readings": [shown.document for shown in done.readings],
         "simulated_recordings": done.simulated.document(),
+        "trajectories": list(done.played.uids),
         "frames": asdict(done.played.frames),
         "full_plays": [
             {name: _number(value) if name != "effect" else value for name, value in asdict(one).items()}

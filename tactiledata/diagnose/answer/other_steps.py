@@ -50,7 +50,7 @@ def materials_of_meshes(store: Store) -> tuple[StatedMaterial, ...]:
     )
 
 
-def material_of_calibration(document: Mapping[str, Any], name: str) -> StatedMaterial:
+def material_of_calibration(document: Mapping[str, Any], name: str, elsewhere: str = "") -> StatedMaterial:
     """Return what a calibration states.
 
     Parameters
@@ -59,11 +59,14 @@ def material_of_calibration(document: Mapping[str, Any], name: str) -> StatedMat
         ``calibration.json`` (schemas/calibration.json).
     name : str
         Name of the file, for the table.
+    elsewhere : str
+        That it was made from another store, in words; empty where it was not.
     """
     fitted = counted(len(document["trajectories"]["fitted"]), "trajectory")
     material = GelMaterial(*(float(document[key]) for key in ("youngs_modulus", "poisson_ratio", "friction")))
     residual = document["losses"].get("vector", {}).get("fitted")
     words = f"{name}: fitted to {fitted} inside bounds ({document['bounds']['name']}), {document['fidelity']}"
+    words = f"{words}; {elsewhere}" if elsewhere else words
     return StatedMaterial("calibration", material, words, residual)
 
 

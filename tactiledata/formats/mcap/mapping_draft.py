@@ -15,6 +15,8 @@ from tactiledata.formats.mcap.readers import JointOrder
 from tactiledata.formats.mcap.roles import (
     IMAGE_KINDS,
     KINDS_OF_SIGNAL,
+    ONLY_CAMERA,
+    TACTILE_WORDS,
     TF_KIND,
     Roles,
     SignalRole,
@@ -40,6 +42,8 @@ LIKELY_FRAMES = (("base", "base_link", "world"), ("tool0_controller", "tcp", "to
 """Names of a robot's base and of its moving end, the likeliest first."""
 
 MAX_ALTERNATIVES = 5
+
+NOT_SAID = "nothing in the topic's name says tactile: remove it where it is no tactile sensor"
 
 STATE_MORE = """\
 # What else the recording may not say of itself goes under `description:` too (docs/formats-folder.md), for example:
@@ -209,14 +213,18 @@ def _images(
 ) -> tuple[dict[str, _Entry], dict[str, Any]]:
     """Cameras, and the sensors that the recording does not describe."""
     cameras: list[tuple[str, dict[str, Any], str]] = [
-        (role.camera, _source(role.topic, path_of(role.data)), "") for role in roles.images
+        (
+            _by_model(role.camera, serials.get(role.topic, ()), description),
+            _source(role.topic, path_of(role.data)),
+            NOT_SAID if role.camera == ONLY_CAMERA else "",
+        )
+        for role in roles.images
     ]
     if not cameras:
         sources = [_source(topic.name) for topic in known if topic.kind in IMAGE_KINDS] or [
             _source(topic.name, path) for topic in known for path in picture_fields(glimpses.get(topic.name, Glimpse()))
         ]
-        unsure = "nothing in the topic's name says tactile: remove it where it is no tactile sensor"
-        cameras = [("digit" if n == 0 else f"digit_{n + 1}", source, unsure) for n, source in enumerate(sources)]
+        cameras = [("digit" if n == 0 else f"digit_{n + 1}", source, NOT_SAID) for n, source in enumerate(sources)]
     if one_camera:
         camera, source, remark = cameras[0]
         cameras = [(camera, {**source, "topic": list(one_camera)}, remark)]
@@ -242,6 +250,18 @@ def _images(
         if serial not in description.sensors:
             sensors[serial] = {"model": model}
     return entries, sensors
+
+
+def _by_model(camera: str, serials: Sequence[str], description: LogDescription) -> str:
+    """The name that cameras of a sensor's model have in other recordings, for one whose topic says no name.
+
+    A model that the recording does not state is drafted as that of a DIGIT, and so is the name.
+    """
+    if camera != ONLY_CAMERA:
+        return camera
+    stated = [description.sensors[serial].get("model", "") for serial in serials if serial in description.sensors]
+    model = next(filter(None, stated), "digit")
+    return next((word for word in TACTILE_WORDS if model.startswith(word)), camera)
 
 
 def _source(topic: str, data: str = "") -> dict[str, Any]:

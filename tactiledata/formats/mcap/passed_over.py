@@ -14,6 +14,8 @@ STREAMS = {
     "images": IMAGE_KINDS,
 }
 """Types of message that are a whole stream; a tree of transforms holds many poses and may hold none of the tool."""
+TOPIC_LEFT = "topic-left"
+"""Code of the finding on a stream that is missing though topics could be it."""
 MOST_NAMES = 4
 
 
@@ -48,7 +50,7 @@ def passed_over(
             f"nothing is read as {stream}, and {first} could be it: {why} too little. Name the topic in a mapping: "
             "`tactiledata inspect PATH --suggest-mapping` writes one to start from"
         )
-        found.append(Finding("topic-left", "warning", text, count=len(names)))
+        found.append(Finding(TOPIC_LEFT, "warning", text, stream, count=len(names)))
     return found
 
 

@@ -25,6 +25,8 @@ UR_WRENCH_TOPIC = "force_torque_sensor_broadcaster/wrench"
 TCP_TOPIC = "tcp_pose_broadcaster/pose"
 JOINT_TOPIC = "joint_states"
 TACTILE_WORDS = ("digit", "gelsight", "tactile")
+ONLY_CAMERA = "camera"
+"""Name of the camera of the only image topic, where nothing in the topic's name says tactile."""
 
 FIELDS_OF = {
     "geometry_msgs/WrenchStamped": tuple(f"wrench.{kind}.{axis}" for kind in ("force", "torque") for axis in "xyz"),
@@ -400,7 +402,7 @@ def _guessed_cameras(known: list[Topic], notes: dict[str, str]) -> list[ImageRol
     counts: dict[str, int] = {}
     roles = []
     for topic in chosen:
-        word = _tactile_word(topic.name) or "camera"
+        word = _tactile_word(topic.name) or ONLY_CAMERA
         counts[word] = counts.get(word, 0) + 1
         roles.append(ImageRole(word if counts[word] == 1 else f"{word}_{counts[word]}", topic.name))
     return roles

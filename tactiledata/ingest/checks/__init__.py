@@ -5,5 +5,6 @@
 - ``apart``: streams that do not belong together. ``image_sizes``: stray pictures among those of a sensor.
 - ``blank_images``: images of one colour. ``background_seen``: images beside the picture without contact.
 - ``spooled``: pictures that wait for their commit, read back for these checks.
-- ``twins``, ``conflicts``: what is known only beside other recordings and the store.
+- ``twins``, ``camera_names``, ``conflicts``: what is known only beside other recordings and the store.
+- ``beside``: the entry to these for a whole store, whose own findings it puts before them.
 """

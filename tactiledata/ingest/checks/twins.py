@@ -6,37 +6,38 @@ of one sensor overlap in time between two recordings, these are twins.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+import shlex
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from typing import Any
 
 from tactiledata.contract.records import Finding
 from tactiledata.contract.wording import counted
 from tactiledata.errors import TactileDataError
 from tactiledata.store.read.flags import flagged_trajectories
 from tactiledata.store.read.reader import Store
+from tactiledata.store.read.recording_names import recording_names
 
 ABSOLUTE = 10**18
 """ns, September 2001. Times before it come from a clock that starts with the recording, or count frames."""
 
+COLUMNS = ("source", "sensor", "start_ns", "end_ns", "parent")
+"""Of the table of trajectories: what tells whether two are one touch."""
+
 Pairs = dict[int, dict[int, int]]
 
 
-def twin_findings(store: Store, digests: Iterable[str]) -> dict[str, Finding]:
-    """A finding for each of these sources that has a twin in the store.
+def twins_of_store(store: Store) -> dict[int, Finding]:
+    """A finding for each recording of a store that has a twin there, by its row of the table of sources.
 
-    Parameters
-    ----------
-    store : Store
-    digests : iterable of str
-        SHA-256 of the sources that are asked for; those that the store does not hold are left out.
+    Flagged trajectories are left out: somebody chose already which of two copies splits take.
     """
-    sources = store.sources(["sha256", "key"]).to_pylist()
-    touches = store.trajectories(["source", "sensor", "start_ns", "end_ns", "parent"]).to_pylist()
-    pairs = overlaps(touches)
-    asked = set(digests)
+    names, flagged = recording_names(store), flagged_trajectories(store)
+    touches = [touch for touch in store.trajectories(["uid", *COLUMNS]).to_pylist() if touch["uid"] not in flagged]
     found = {}
-    for row, others in sorted(pairs.items()):
-        if sources[row]["sha256"] in asked:
-            found[sources[row]["sha256"]] = twin_finding([source["key"] for source in sources], others)
+    for row, others in sorted(overlaps(touches).items()):
+        reason = f"a copy of {names[min(others)]}"
+        command = shlex.join(["tactiledata", "flag", store.location, names[row], "--reason", reason])
+        found[row] = twin_finding(names, others, f". Splits leave this one out after: {command}")
     return found
 
 
@@ -57,33 +58,51 @@ def need_touches_once(store: Store, sensor: str | None = None) -> None:
         Two recordings hold the same touches.
     """
     flagged = flagged_trajectories(store)
-    touches = store.trajectories(["uid", "source", "sensor", "start_ns", "end_ns", "parent"]).to_pylist()
+    touches = store.trajectories(["uid", *COLUMNS]).to_pylist()
     pairs = overlaps(touch for touch in touches if touch["uid"] not in flagged and sensor in (None, touch["sensor"]))
     if not pairs:
         return
-    keys = store.sources(["key"])["key"].to_pylist()
+    names = recording_names(store)
     one, others = min(pairs.items())
-    copy = keys[max(others)]
+    copy = names[max(others)]
+    command = shlex.join(["tactiledata", "flag", store.location, copy, "--reason", f"a copy of {names[one]}"])
     raise TactileDataError(
         f"{store.location}: {counted(others[max(others)], 'trajectory')} of {copy} at the same time as those of"
-        f" {keys[one]}, by one sensor: one recording is a copy of the other",
+        f" {names[one]}, by one sensor: one recording is a copy of the other",
         "each touch once: a fit counts a copy twice, and holds out what it also fits",
-        f"Flag one of them: tactiledata flag {store.location} {copy} --reason 'a copy'",
+        f"Flag one of them: {command}",
     )
 
 
-def twin_finding(keys: Sequence[str], others: Mapping[int, int]) -> Finding:
-    """What is said of a recording that has twins: ``others`` counts shared trajectories by row, ``keys`` has names."""
+def twin_finding(keys: Sequence[str], others: Mapping[int, int], remedy: str = "; keep one of them") -> Finding:
+    """What is said of a recording that has twins.
+
+    Parameters
+    ----------
+    keys : sequence of str
+        Names of the recordings.
+    others : dict, row of a recording -> int
+        How many trajectories it shares with each other one.
+    remedy : str
+        End of the sentence.
+    """
     names = [f"{keys[other]} ({count})" for other, count in sorted(others.items())]
     listed = ", ".join(names[:3]) + (f" and {len(names) - 3} more recordings" if names[3:] else "")
     text = (
         f"trajectories of the same sensor at the same time are in other recordings too: {listed}. "
-        "One may be an edited or a damaged copy of the other; keep one of them"
+        f"One may be an edited or a damaged copy of the other{remedy}"
     )
     return Finding("recording-twin", "warning", text, count=sum(others.values()))
 
 
-def overlaps(touches: Iterable[Mapping[str, object]]) -> Pairs:
+def twin_rows(store: Store, rows: Collection[int]) -> list[int]:
+    """Rows of the trajectories that are copies, in other recordings, of some of a store; none of these themselves."""
+    touches = store.trajectories(COLUMNS).to_pylist()
+    met = {other for one, other in _meetings(touches) if one in rows}
+    return sorted(met - set(rows))
+
+
+def overlaps(touches: Iterable[Mapping[str, Any]]) -> Pairs:
     """How many trajectories of each source overlap one of another source, by source and other source.
 
     Parameters
@@ -93,25 +112,29 @@ def overlaps(touches: Iterable[Mapping[str, object]]) -> Pairs:
         a clock that is not absolute are left out. Sensors that nobody names count as one where the times are equal to
         the nanosecond.
     """
+    known = list(touches)
     pairs: Pairs = {}
+    for row, other in {(one, known[other]["source"]) for one, other in _meetings(known)}:
+        counts = pairs.setdefault(known[row]["source"], {})
+        counts[other] = counts.get(other, 0) + 1
+    return pairs
+
+
+def _meetings(touches: Sequence[Mapping[str, Any]]) -> Iterator[tuple[int, int]]:
+    """Yield the rows of two touches of different recordings that overlap, both ways round."""
     by_sensor: dict[str, list[tuple[int, int, int]]] = {}
-    for touch in touches:
-        start, end = int(touch["start_ns"]), int(touch["end_ns"])  # type: ignore[call-overload]
-        sensor = str(touch["sensor"])
+    for row, touch in enumerate(touches):
+        start, end, sensor = touch["start_ns"], touch["end_ns"], touch["sensor"]
         if not sensor or touch["parent"] or start < ABSOLUTE or end <= start:
             continue
         place = f"{start}-{end}" if sensor.startswith("unknown-") else sensor
-        by_sensor.setdefault(place, []).append((start, end, int(touch["source"])))  # type: ignore[call-overload]
+        by_sensor.setdefault(place, []).append((start, end, row))
     for intervals in by_sensor.values():
-        running: list[tuple[int, int, int]] = []  # number, end, source
-        met: set[tuple[int, int, int]] = set()
-        for number, (start, end, source) in enumerate(sorted(intervals)):
-            running = [one for one in running if one[1] > start]
-            for at, _, other in running:
-                if other != source:
-                    met |= {(number, source, other), (at, other, source)}
-            running.append((number, end, source))
-        for _, source, other in met:
-            counts = pairs.setdefault(source, {})
-            counts[other] = counts.get(other, 0) + 1
-    return pairs
+        running: list[tuple[int, int]] = []  # end, row
+        for start, end, row in sorted(intervals):
+            running = [one for one in running if one[0] > start]
+            for _, other in running:
+                if touches[other]["source"] != touches[row]["source"]:
+                    yield row, other
+                    yield other, row
+            running.append((end, row))

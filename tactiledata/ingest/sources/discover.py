@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
@@ -23,6 +24,8 @@ from tactiledata.store.layout.places import store_around
 
 EXPORT = "export.json"
 """File that tells of an export of a store."""
+NUMBER = re.compile(r"~\d+$")
+"""What is added to a key where another source of a call has the same."""
 MAX_DEPTH = 4
 """Folders below a named one that are searched for recordings."""
 
@@ -234,6 +237,29 @@ def _joined(parts: Iterable[tuple[list[Source], list[Path]]]) -> tuple[list[Sour
         sources += found
         unclaimed += left
     return sources, unclaimed
+
+
+def places_apart(sources: Sequence[Source]) -> dict[str, str]:
+    """Ends of paths that tell sources of one name apart, by key; sources whose name no other has are left out.
+
+    Examples
+    --------
+    >>> paths = {"run.mcap": "/data/mon/run.mcap", "run.mcap~2": "/data/tue/run.mcap", "a.mcap": "/data/a.mcap"}
+    >>> places_apart([Source(path, key, "mcap", (path,)) for key, path in paths.items()])
+    {'run.mcap': 'mon/run.mcap', 'run.mcap~2': 'tue/run.mcap'}
+    """
+    groups: dict[str, list[Source]] = {}
+    for source in sources:
+        groups.setdefault(NUMBER.sub("", source.key), []).append(source)
+    found = {}
+    for group in groups.values():
+        paths = [(*Path(source.path).absolute().parts, *filter(None, [source.part])) for source in group]
+        for length in range(1, max(map(len, paths)) + 1):
+            ends = [path[-length:] for path in paths]
+            if len(group) > 1 and len(set(ends)) == len(ends):
+                found.update({source.key: str(Path(*end)) for source, end in zip(group, ends, strict=True)})
+                break
+    return found
 
 
 def _unique_keys(sources: list[Source]) -> list[Source]:

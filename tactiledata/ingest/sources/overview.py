@@ -11,9 +11,12 @@ import numpy as np
 
 from tactiledata import __version__
 from tactiledata.contract.atomic import write_atomic
-from tactiledata.contract.take import UNUSABLE, findings_of
-from tactiledata.contract.wording import counted
+from tactiledata.contract.take import UNUSABLE
+from tactiledata.contract.wording import counted, listed
+from tactiledata.formats.mcap.passed_over import TOPIC_LEFT
+from tactiledata.ingest.checks.beside import all_findings
 from tactiledata.ingest.sources.first_program import first_program
+from tactiledata.report.finding_words import codes_section
 from tactiledata.report.page import Picture, Section, render_page
 from tactiledata.report.panels import panels_of
 from tactiledata.report.plots import TouchPicture, draw_touches, png_bytes
@@ -23,16 +26,23 @@ from tactiledata.splits.manifest import coverage_problem, read_split, read_split
 from tactiledata.splits.options import EXCLUDED, PARTITIONS
 from tactiledata.splits.suggest import suggest_split
 from tactiledata.store.read.flags import flag_words, flagged_trajectories
+from tactiledata.store.read.named_trajectories import full_names
 from tactiledata.store.read.overview import overview, shown_rate
 from tactiledata.store.read.reader import Store
+from tactiledata.store.read.recording_names import recording_names
 from tactiledata.store.read.simulated import simulated_recordings, touch_mark
+from tactiledata.units import SIGNAL_COLUMNS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+CONTACT_WRENCH = "contact_wrench"
+"""Name of the signal whose force is drawn."""
 MAX_TOUCHES = 6
 MOST_FLAGS = 60
 """Flagged trajectories that the page lists."""
+MOST_NAMED = 6
+"""Recordings that the page names of each camera."""
 WORST_FIRST = {"damage": 0, "warning": 1, "info": 2}
 
 
@@ -98,12 +108,16 @@ def touch_picture(store: Store, row: int) -> TouchPicture | None:
     t_ns = frames["t_ns"].to_numpy()
     reference = store.references().get(frames["sensor"][shown].as_py())
     seconds, samples, force_frame = np.zeros(0), np.zeros((0, 3)), ""
-    if "contact_wrench" in store.signal_names:
-        first, last = json.loads(trajectory["signal_rows"]).get("contact_wrench", [0, 0])
-        signal = store.signal("contact_wrench")
+    for name, (first, last) in json.loads(trajectory["signal_rows"]).items():
+        # one that means something else than the store's first is kept as contact_wrench@…
+        if name not in store.signal_names or name.partition("@")[0] != CONTACT_WRENCH:
+            continue
+        signal = store.signal(name)
+        if tuple(signal.columns) != SIGNAL_COLUMNS[CONTACT_WRENCH]:
+            continue
         seconds = (signal.t_ns(first, last) - trajectory["start_ns"]) / 1e9
         samples, force_frame = signal.values(first, last)[:, :3], signal.frame
-    names = [trajectory["sensor"], trajectory["indenter"] or "(not named)", trajectory["trajectory"]]
+    names = [trajectory["sensor"], trajectory["indenter"] or "(not named)", full_names(store)[row]]
     title = ", ".join([*names, *filter(None, [touch_mark(store, row)])])
     return TouchPicture(
         title=title,
@@ -153,16 +167,18 @@ def page(store: Store, picture: Picture | None, split: str, further: Sequence[Se
         f"{counted(facts['trajectories'], 'trajectory')} and {counted(facts['frames'], 'image')} of "
         f"{counted(len(facts['by_sensor']), 'sensor')} and "
         f"{counted(len([name for name in facts['by_indenter'] if name]), 'indenter')}.",
-        _status_sentence(facts["status"]),
+        _status_sentence(facts["status"], facts["findings"].get(TOPIC_LEFT, {"sources": 0})["sources"]),
     ]
     sections = [
         _recorded(picture),
+        _cameras(facts),
         _counts(facts),
         _signals(facts),
         _findings(store),
         _flagged(store),
         _split(store, split),
         *further,
+        codes_section(finding.code for _, finding in all_findings(store)),
         _use(store, split),
     ]
     footer = f"tactiledata {__version__}; store digest {store.digest}"
@@ -175,14 +191,15 @@ def page(store: Store, picture: Picture | None, split: str, further: Sequence[Se
     )
 
 
-def _status_sentence(status: dict[str, int]) -> str:
+def _status_sentence(status: dict[str, int], left: int) -> str:
     words = {
         "ok": ("is whole", "are whole"),
         "unverified": ("has no checksums and could not be verified", "have no checksums and could not be verified"),
         "damaged": ("lost data to damage, and what is whole was kept",) * 2,
     }
     said = [f"{counted(count, 'recording')} {words[name][count != 1]}" for name, count in sorted(status.items())]
-    return "; ".join(said) + "."
+    unread = f" A wrench, tcp or images of {counted(left, 'recording')} were not read: see what the checks found."
+    return f"{'; '.join(said)}.{unread if left else ''}"
 
 
 def _recorded(picture: Picture | None) -> Section | None:
@@ -196,6 +213,11 @@ def _counts(facts: dict) -> Section:
         for name, row in facts["by_indenter"].items()
     ]
     return Section("Sensors and indenters", columns=("", "name", "trajectories", "images"), rows=rows)
+
+
+def _cameras(facts: dict) -> Section | None:
+    rows = [(name, row["frames"], listed(row["recordings"], MOST_NAMED)) for name, row in facts["by_camera"].items()]
+    return Section("Cameras", columns=("camera", "images", "recordings"), rows=rows) if rows else None
 
 
 def _signals(facts: dict) -> Section | None:
@@ -215,10 +237,8 @@ def _signals(facts: dict) -> Section | None:
 
 
 def _findings(store: Store) -> Section:
-    keys = store.sources(["key"])["key"].to_pylist()
-    table = store.findings()
-    found = zip(table["source"].to_pylist(), findings_of(table), strict=True)
-    ranked = sorted(found, key=lambda item: (WORST_FIRST[item[1].severity], item[1].code, item[0]))
+    keys = recording_names(store)
+    ranked = sorted(all_findings(store), key=lambda item: (WORST_FIRST[item[1].severity], item[1].code, item[0]))
     sentences: list[tuple[str, str]] = [
         (finding.severity, f"{finding.severity}: {keys[source]}: {finding.message} [{finding.code}]")
         for source, finding in ranked[:60]

@@ -16,6 +16,7 @@ from tactiledata.errors import TactileDataError
 from tactiledata.formats import FORMATS
 from tactiledata.formats.base import Inspection
 from tactiledata.formats.reading.intake import MOST_OPENED
+from tactiledata.ingest.checks.camera_names import camera_findings, cameras_of_takes
 from tactiledata.ingest.checks.checks import broken_finding, check_take, flag_images, stated_size_findings
 from tactiledata.ingest.checks.twins import overlaps, twin_finding
 from tactiledata.ingest.sources.image_facts import ImageFacts
@@ -118,7 +119,7 @@ def _nothing(rows: NDArray[np.int64]) -> list[NDArray[np.uint8] | None]:
 
 
 def compared(previews: Sequence[Preview]) -> list[Preview]:
-    """The previews, each with what its recording contradicts in those before it, and with its twins among all."""
+    """The previews, each with what its recording contradicts in those before it, and what it is beside all others."""
     touches = [
         {**touch, "source": row}
         for row, item in enumerate(previews)
@@ -127,11 +128,13 @@ def compared(previews: Sequence[Preview]) -> list[Preview]:
     ]
     pairs = overlaps(touches)
     keys = [item.inspection.source.key for item in previews]
+    cameras = camera_findings(keys, cameras_of_takes([item.take for item in previews]))
     known = _Known()
     return [
         item.with_findings(
             [
                 *(known.conflicts(item) if item.take is not None else ()),
+                *([cameras[row]] if row in cameras else []),
                 *([twin_finding(keys, pairs[row])] if row in pairs else []),
             ]
         )
@@ -162,6 +165,6 @@ class _Known:
             differing = [key for key in SIGNAL_MEANING if first[key] != meaning[key]]
             if differing:
                 detail = "; ".join(f"{key} {meaning[key]!r} here, {first[key]!r} there" for key in differing)
-                text = f"signals {name!r} means something else than in a recording before ({detail}); it is kept apart"
+                text = f"signal {name!r} means something else than in a recording before ({detail}); it is kept apart"
                 found.append(Finding("signal-variant", "warning", text, stream=name))
         return found

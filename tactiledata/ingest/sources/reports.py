@@ -2,14 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 from tactiledata.contract.records import Finding
 from tactiledata.contract.simulated import Kind, SimulatedCount, recording_kind
 from tactiledata.contract.take import findings_of
+from tactiledata.formats.mcap.passed_over import TOPIC_LEFT
 from tactiledata.store.write.writer import StagedTake
+
+
+def status_in_words(status: str, findings: Iterable[Finding]) -> str:
+    """The status of a recording, with the streams that topics of it could be and that are not read.
+
+    Examples
+    --------
+    >>> status_in_words("ok", [Finding(TOPIC_LEFT, "warning", "nothing is read as wrench", "wrench")])
+    'ok, but wrench not read'
+    """
+    left = list(dict.fromkeys(finding.stream for finding in findings if finding.code == TOPIC_LEFT))
+    return f"{status}, but {', '.join(left)} not read" if status and left else status
 
 
 @dataclass(frozen=True)
@@ -33,6 +46,10 @@ class SourceReport:
         What its description states of its contacts.
     copy_of : str
         Key of the source of the same call whose files are the same and which came in; empty where there is none.
+    name : str
+        What the store's commands call it, where several of its recordings have the key; empty where the key does.
+    place : str
+        End of its path that tells it from sources of the same call with the same name; empty where the key does.
     """
 
     key: str
@@ -45,6 +62,13 @@ class SourceReport:
     sha256: str = ""
     kind: Kind = "not stated"
     copy_of: str = ""
+    name: str = ""
+    place: str = ""
+
+    @property
+    def words(self) -> str:
+        """Its name for people, with its place where another source has the same."""
+        return f"{self.name or self.key} ({self.place})" if self.place else self.name or self.key
 
 
 @dataclass(frozen=True)
@@ -60,7 +84,7 @@ class IngestReport:
     findings : tuple of Finding
         What concerns no one source.
     stale_splits : tuple of str
-        Splits of the store as it was before.
+        Splits of the store, if it changed, that do not know all its trajectories.
     """
 
     store: str
@@ -92,6 +116,8 @@ class IngestReport:
             "sources": [
                 {
                     "key": source.key,
+                    "name": source.name or source.key,
+                    "place": source.place,
                     "state": source.state,
                     "status": source.status,
                     "frames": source.frames,

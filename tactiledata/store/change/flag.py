@@ -43,7 +43,7 @@ def flag_trajectories(store_path: Path | str, names: Sequence[str], reason: str)
     store_path : Path or str
         Folder of a local store.
     names : sequence of str
-        Uids, names, or full names of trajectories.
+        Uids, names, or full names of trajectories; names of recordings, for all their trajectories.
     reason : str
         Why, in words: 1 to 500 characters.
 
@@ -65,7 +65,7 @@ def flag_trajectories(store_path: Path | str, names: Sequence[str], reason: str)
         )
     folder = Path(store_path)
     store = Store.open(folder)
-    rows = named_trajectories(store, names)
+    rows = named_trajectories(store, names, whole_recordings=True)
     full = full_names(store)
     keys = store.sources(["key"])["key"].to_pylist()
     table = store.trajectories(["uid", "trajectory", "source"]).to_pylist()
@@ -94,8 +94,8 @@ def remove_flags(store_path: Path | str, names: Sequence[str]) -> list[str]:
     store_path : Path or str
         Folder of a local store.
     names : sequence of str
-        Uids, names, or full names of trajectories. The uid of a flag serves, too, whose trajectory the store does not
-        hold.
+        Uids, names, or full names of trajectories; names of recordings, for their flagged trajectories. The uid of a
+        flag serves, too, whose trajectory the store does not hold.
 
     Raises
     ------
@@ -110,10 +110,13 @@ def remove_flags(store_path: Path | str, names: Sequence[str]) -> list[str]:
     store = Store.open(folder)
     uids = store.trajectories(["uid"])["uid"].to_pylist()
     with _changing_flags(folder) as entries:
-        chosen = [name if name in entries else uids[named_trajectories(store, [name])[0]] for name in names]
-        for name, uid in zip(names, chosen, strict=True):
-            if uid not in entries:
-                raise _no_own_flag(store, name, uid, entries)
+        chosen: list[str] = []
+        for name in names:
+            meant = [name] if name in entries else [uids[row] for row in named_trajectories(store, [name], True)]
+            own = [uid for uid in meant if uid in entries]
+            if not own:
+                raise _no_own_flag(store, name, meant[0], entries)
+            chosen += own
         return [_full_name(entries.pop(uid)) for uid in dict.fromkeys(chosen)]
 
 
@@ -128,7 +131,7 @@ def _no_own_flag(store: Store, named: str, uid: str, entries: FlagEntries) -> Us
     if origin is None:
         flagged = ", ".join(map(_full_name, entries.values()))
         return UsageError(
-            f"the trajectory {named} is not flagged",
+            f"{named} is not flagged",
             f"one that is: {flagged}" if flagged else "one that is; none of this store is",
             "`tactiledata flag STORE --list` shows all flags.",
         )

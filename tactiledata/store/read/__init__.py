@@ -7,6 +7,7 @@
 - ``scaled_pictures``: pictures decoded at a smaller size.
 - ``sensor_facts``: facts of sensors, held against their digests.
 - ``flags``: trajectories that a person called bad. ``named_trajectories``: the trajectory that a name means.
+- ``recording_names``: names that tell recordings apart.
 - ``overview``, ``simulated``, ``free_air``, ``targets``, ``seen_target``: questions that commands ask of a store.
 
 Nothing here writes.

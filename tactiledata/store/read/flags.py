@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from tactiledata.errors import MissingFile
 from tactiledata.store.layout.flag_file import FlagEntries, parse_flags
 from tactiledata.store.layout.places import FLAGS
+from tactiledata.store.read.recording_names import recording_names
 
 if TYPE_CHECKING:
     from tactiledata.store.read.reader import Store
@@ -71,7 +72,7 @@ def flagged_trajectories(store: Store) -> dict[str, Flag]:
     if not entries:
         return {}
     rows = store.trajectories(["uid", "parent", "trajectory", "source"]).to_pylist()
-    keys = store.sources(["key"])["key"].to_pylist()
+    keys = recording_names(store)
     origins = flag_origins([row["uid"] for row in rows], [row["parent"] for row in rows], entries)
     return {
         row["uid"]: Flag(

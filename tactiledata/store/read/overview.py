@@ -3,20 +3,34 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pyarrow as pa
 
+from tactiledata.contract.records import Finding
 from tactiledata.store.read.flags import flagged_trajectories
+from tactiledata.store.read.recording_names import recording_names
 from tactiledata.store.read.simulated import simulated_recordings
 
 if TYPE_CHECKING:
     from tactiledata.store.read.reader import Store
 
+NOTHING_BESIDE: Mapping[int, Sequence[Finding]] = MappingProxyType({})
+"""No finding but those that the store keeps."""
 
-def overview(store: Store) -> dict[str, Any]:
-    """Counts by sensor and indenter, signals with their rates, statuses and findings of a store, as JSON values."""
+
+def overview(store: Store, beside: Mapping[int, Sequence[Finding]] = NOTHING_BESIDE) -> dict[str, Any]:
+    """Counts of cameras, sensors, indenters, statuses and findings of a store, and its signals, as JSON values.
+
+    Parameters
+    ----------
+    store : Store
+    beside : dict, row of a recording -> findings
+        Findings that the store does not keep and that are counted with its own.
+    """
     trajectories = store.trajectories(["sensor", "indenter", "frame_start", "frame_stop"])
     sources = store.sources(["status"])
     return {
@@ -26,21 +40,45 @@ def overview(store: Store) -> dict[str, Any]:
         "simulated_recordings": simulated_recordings(store).document(),
         "digest": store.digest,
         "cameras": list(store.cameras),
+        "by_camera": _by_camera(store),
         "by_sensor": _by_sensor(store, trajectories),
         "by_indenter": _by_indenter(trajectories),
         "signals": {name: _signal(store, name) for name in store.signal_names},
         "status": dict(Counter(sources["status"].to_pylist())),
-        "findings": _findings(store.findings()),
+        "findings": _findings(_finding_rows(store, beside)),
         "splits": list(store.split_names()),
         "flagged": [flag.document() for flag in flagged_trajectories(store).values()],
         "meshes": {name: _mesh(store, name) for name in store.mesh_names},
     }
 
 
-def found_in(store: Store) -> list[dict[str, Any]]:
-    """Every finding that a store keeps, as JSON values, each with the name of its recording as ``source``."""
-    keys = store.sources(["key"])["key"].to_pylist()
-    return [{**row, "source": keys[row["source"]]} for row in store.findings().to_pylist()]
+def found_in(store: Store, beside: Mapping[int, Sequence[Finding]] = NOTHING_BESIDE) -> list[dict[str, Any]]:
+    """Every finding of a store, as JSON values, each with the name of its recording as ``source``.
+
+    Parameters
+    ----------
+    store : Store
+    beside : dict, row of a recording -> findings
+        Findings that the store does not keep.
+    """
+    keys = recording_names(store)
+    return [{**row, "source": keys[row["source"]]} for row in _finding_rows(store, beside)]
+
+
+def _finding_rows(store: Store, beside: Mapping[int, Sequence[Finding]]) -> list[dict[str, Any]]:
+    further = [{"source": row, **vars(finding)} for row, found in beside.items() for finding in found]
+    return [*store.findings().to_pylist(), *further]
+
+
+def _by_camera(store: Store) -> dict[str, dict[str, Any]]:
+    keys = recording_names(store)
+    rows = store.frames(["camera", "source"]).group_by(["camera", "source"]).aggregate([([], "count_all")]).to_pylist()
+    found: dict[str, dict[str, Any]] = {}
+    for row in sorted(rows, key=lambda row: (row["camera"], row["source"])):
+        entry = found.setdefault(row["camera"], {"frames": 0, "recordings": []})
+        entry["frames"] += row["count_all"]
+        entry["recordings"].append(keys[row["source"]])
+    return found
 
 
 def _by_sensor(store: Store, trajectories: pa.Table) -> dict[str, dict[str, Any]]:
@@ -101,8 +139,7 @@ def _mesh(store: Store, name: str) -> dict[str, Any]:
     }
 
 
-def _findings(findings: pa.Table) -> dict[str, dict[str, Any]]:
-    rows = findings.select(["code", "severity", "count", "source"]).to_pylist()
+def _findings(rows: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, Any]]:
     codes: dict[str, dict[str, Any]] = {}
     for row in rows:
         entry = codes.setdefault(row["code"], {"severity": row["severity"], "count": 0, "in": set()})

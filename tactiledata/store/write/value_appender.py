@@ -26,6 +26,8 @@ from tactiledata.store.layout.statistics import added, no_statistics
 from tactiledata.store.write.writer import StagedTake
 
 KINDS = ("signals", "aligned", "frame_values")
+KIND_WORDS = {"signals": "signal", "aligned": "aligned value", "frame_values": "frame value"}
+"""What one of each kind is called in a message."""
 MEANING = ("columns", "units", "frame")
 BLOCK_ROWS = 65_536
 
@@ -97,7 +99,9 @@ class ValueAppender:
         known = self._manifest[kind][name]
         differing = [key for key in MEANING if known[key] != entry[key]]
         detail = "; ".join(f"{key} {entry[key]!r} here, {known[key]!r} in the store" for key in differing)
-        message = f"{kind} {name!r} means something else than in the store ({detail}); kept apart as {stored!r}"
+        message = (
+            f"{KIND_WORDS[kind]} {name!r} means something else than in the store ({detail}); kept apart as {stored!r}"
+        )
         return Finding("signal-variant", "warning", message, stream=name)
 
     def _note(self, kind: str, stored: str, take: StagedTake, entry: Entry) -> dict[str, Any]:

@@ -86,6 +86,18 @@ def test_what_only_a_person_knows_is_marked(tmp_path):
     assert not codes(recording)
 
 
+@pytest.mark.parametrize(("model", "name"), [("", "digit"), ("gelsight_r15", "gelsight"), ("biotac", "camera")])
+def test_a_camera_without_a_name_is_named_by_its_model(tmp_path, model, name):
+    """Where the topic of the only camera says nothing, it is called as cameras of its sensor's model are elsewhere."""
+    with Tape(tmp_path / "run.mcap") as tape:
+        tape.image(START, START, picture(1), topic="/usb_cam/image_raw", frame="D20003")
+        if model:
+            tape.describe({"format": "tactiledata-log/1", "sensors": {"D20003": {"model": model}}})
+    inspection = draft_of(tmp_path / "run.mcap")
+    assert list(inspection.suggested_mapping["images"]) == [name]
+    assert "remove it where it is no tactile sensor" in inspection.suggested_text
+
+
 def test_a_tool_pose_is_offered_from_a_tree_that_has_it(tmp_path):
     """Where /tf joins a base and a tool, the draft reads tcp between the frames that are there, else not."""
     for name, child in (("has", "tool0"), ("has_not", "camera")):

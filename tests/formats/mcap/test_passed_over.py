@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import yaml
+from command import run_command
 from generators.collect import codes, read
 from generators.mcap_files import START, STEP, Tape, description, numbers, picture
 
@@ -146,3 +147,16 @@ def test_a_file_that_is_listed_twice_is_read_once(tmp_path):
     [(recording, _)] = read(FORMAT, folder)
     assert len(recording.signals["wrench"].values) == COUNT
     assert "unlisted-file" in codes(recording)
+
+
+def test_the_status_says_what_is_not_read(tmp_path, capsys):
+    """Ingest, inspect and info say beside the status which stream is not read, and nothing where all are."""
+    path = recorded(tmp_path / "run.mcap", [("image", "/digit/a"), ("tcp", "/tool/place"), ("wrench", "/ati/raw")])
+    assert "status ok, but wrench, tcp not read" in run_command(capsys, "inspect", path)[1]
+    assert "ok, but wrench, tcp not read" in run_command(capsys, "ingest", path, "--store", tmp_path / "ds.zarr")[1]
+    said = run_command(capsys, "info", tmp_path / "ds.zarr")[1]
+    assert "status: 1 ok; of 1 of them a wrench, tcp or images are not read" in said
+    whole = recorded(tmp_path / "whole.mcap", [("image", "/digit/a"), ("wrench", "/robotiq_ft_wrench")])
+    assert "not read" not in run_command(capsys, "inspect", whole)[1]
+    run_command(capsys, "ingest", whole, "--store", tmp_path / "whole.zarr")
+    assert "are not read" not in run_command(capsys, "info", tmp_path / "whole.zarr")[1]

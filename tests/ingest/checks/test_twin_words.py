@@ -5,8 +5,9 @@ from test_twins import touch
 
 from tactiledata.contract.records import Finding
 from tactiledata.contract.take import findings_table
+from tactiledata.errors import MissingFile
 from tactiledata.ingest.checks.conflicts import conflict_findings
-from tactiledata.ingest.checks.twins import ABSOLUTE, overlaps, twin_findings
+from tactiledata.ingest.checks.twins import ABSOLUTE, overlaps, twin_rows, twins_of_store
 
 
 class Tables:
@@ -16,7 +17,8 @@ class Tables:
         names = [f"s{row}" for row in range(n_sources)]
         self.manifest = {"sources": names}
         self._sources = pa.table({"sha256": names, "key": [f"log{row}" for row in range(n_sources)]})
-        self._touches = touches
+        self._touches = [{"uid": f"u{row}", **touch} for row, touch in enumerate(touches)]
+        self.location = "ds.zarr"
         table = findings_table([finding for _, finding in findings])
         column = pa.array([source for source, _ in findings], pa.int32())
         self._findings = table.set_column(0, "source", column)
@@ -28,6 +30,9 @@ class Tables:
         rows = [{name: touch[name] for name in columns} for touch in self._touches]
         return pa.Table.from_pylist(rows)
 
+    def read_file(self, name):
+        raise MissingFile(name, "a file")
+
     def findings(self):
         return self._findings
 
@@ -35,13 +40,13 @@ class Tables:
 def test_three_twins_are_named_and_the_others_counted():
     """Three twins are named with how many touches they share, in the order of the store."""
     five = Tables(5, [touch(source, 0, 10) for source in (0, 0, 1, 2, 3, 4, 4)])
-    found = twin_findings(five, ["s0", "elsewhere"])
-    assert list(found) == ["s0"]
-    assert (found["s0"].code, found["s0"].severity, found["s0"].count) == ("recording-twin", "warning", 8)
-    assert "too: log1 (2), log2 (2), log3 (2) and 1 more recordings. One may" in found["s0"].message
+    found = twins_of_store(five)
+    assert list(found) == [0, 1, 2, 3, 4]
+    assert (found[0].code, found[0].severity, found[0].count) == ("recording-twin", "warning", 8)
+    assert "too: log1 (2), log2 (2), log3 (2) and 1 more recordings. One may" in found[0].message
     four = Tables(4, [touch(source, 0, 10) for source in range(4)])
-    assert "too: log0 (1), log1 (1), log3 (1). One may" in twin_findings(four, ["s2"])["s2"].message
-    assert twin_findings(four, []) == {}
+    assert "too: log0 (1), log1 (1), log3 (1). One may" in twins_of_store(four)[2].message
+    assert twins_of_store(Tables(2, [touch(0, 0, 10), touch(1, 20, 30)])) == {}
 
 
 def test_a_touch_that_overlaps_several_counts_once():
@@ -82,3 +87,12 @@ def test_the_first_conflict_of_each_stream_is_said():
     found = conflict_findings(Tables(2, (), rows), {"s1"})
     assert {digest: [one.message for one in all_] for digest, all_ in found.items()} == {"s1": ["two", "three", "four"]}
     assert set(conflict_findings(Tables(2, (), rows), {"s0", "s1"})) == {"s0", "s1"}
+
+
+def test_the_copies_of_a_touch_are_found_by_row():
+    """All touches of other recordings that overlap one that is asked for are found, these themselves are not."""
+    store = Tables(3, [touch(0, 0, 10), touch(1, 5, 15), touch(2, 30, 40), touch(2, 9, 20), touch(0, 50, 60)])
+    assert twin_rows(store, [0]) == [1, 3]
+    assert twin_rows(store, [1]) == [0, 3]
+    assert twin_rows(store, [0, 1]) == [3]
+    assert twin_rows(store, [2, 4]) == []

@@ -8,7 +8,7 @@ import pytest
 
 from tactiledata.contract.records import Finding
 from tactiledata.contract.simulated import SimulatedCount
-from tactiledata.contract.take import FrameFlag, Reference, findings_table
+from tactiledata.contract.take import TRAJECTORY_SCHEMA, FrameFlag, Reference, findings_table
 from tactiledata.errors import MissingFile
 from tactiledata.ingest.sources import first_program as program_module
 from tactiledata.ingest.sources import overview as module
@@ -18,6 +18,7 @@ from tactiledata.report.page import Panel, Picture, Section
 from tactiledata.report.plots import TouchPicture
 from tactiledata.splits.options import PARTITIONS
 from tactiledata.splits.suggest import Suggestion
+from tactiledata.units import SIGNAL_COLUMNS
 from tests.ingest.made_takes import frames, touch
 
 PNG = Picture(((Panel(b"png", 9),),), "caption")
@@ -27,6 +28,7 @@ class Samples:
     """A signal of a store: fz counts its rows, a second apart."""
 
     frame = "gel"
+    columns = SIGNAL_COLUMNS["contact_wrench"]
 
     def t_ns(self, first, last):
         return np.arange(first, last) * 10**9
@@ -53,11 +55,14 @@ class Tables:
         raise MissingFile(path, "a file", "Look elsewhere.")
 
     def trajectories(self, columns=None):
-        found = pa.Table.from_pylist(self.touches)
+        found = pa.Table.from_pylist(self.touches) if self.touches else TRAJECTORY_SCHEMA.empty_table()
         return found if columns is None else found.select(columns)
 
     def frames(self, columns):
         return self.table.select(columns)
+
+    def sensors(self):
+        return {"D1": {"model": "digit"}}
 
     def references(self):
         return self.parts.get("references", {})
@@ -134,7 +139,7 @@ def test_a_touch_is_shown_at_its_largest_force():
     table, rows = pictured([0, 0, 0, 0, 0, FrameFlag.BROKEN, 0, 0], [99, 99, 1, 2, 3, 50, np.nan, 99])
     reference = Reference(np.zeros((8, 6, 3), np.uint8), "a file")
     shown = touch_picture(Tables(table, rows, references={"D1": reference}), 1)
-    assert shown.title == "D1, ball, t"
+    assert shown.title == "D1, ball, one/t"
     assert shown.image == "image 4"
     assert shown.background is reference.image
     assert shown.force_frame == "gel"
@@ -161,14 +166,14 @@ def test_a_touch_without_usable_images_has_no_picture():
     table, rows = pictured(FrameFlag.STRAY_SIZE, 1.0)
     assert touch_picture(Tables(table, rows), 1) is None
     table, rows = pictured(FrameFlag.OUTSIDE, 1.0, indenter="")
-    assert touch_picture(Tables(table, rows), 1).title == "D1, (not named), t"
+    assert touch_picture(Tables(table, rows), 1).title == "D1, (not named), one/t"
     sources = [
         {"key": key, "description": json.dumps({"recorded_by": {"contact": "simulated"}} if key == "one" else {})}
         for key in ("one", "two")
     ]
     kinds = Tables(table, rows, sources=sources)
     kinds.touches[0]["source"] = 1
-    assert touch_picture(kinds, 1).title == "D1, (not named), t, simulated recording"
+    assert touch_picture(kinds, 1).title == "D1, (not named), one/t, simulated recording"
 
 
 def some_touch(force):
@@ -185,6 +190,8 @@ def test_the_caption_names_only_what_is_there():
 
 
 FACTS = {
+    "findings": {},
+    "by_camera": {"digit": {"frames": 3, "recordings": ["one", "two"]}},
     "sources": 1, "trajectories": 2, "frames": 3, "status": {"unverified": 2, "ok": 1, "damaged": 3},
     "by_sensor": {"D1": {"model": "digit", "trajectories": 2, "frames": 3}},
     "by_indenter": {"": {"trajectories": 1, "frames": 2}, "ball": {"trajectories": 1, "frames": 1}},
@@ -213,20 +220,30 @@ def test_the_page_holds_its_parts_in_order(monkeypatch):
         "3 recordings lost data to damage, and what is whole was kept; 1 recording is whole; 2 recordings have no "
         "checksums and could not be verified.",
     ]
-    titles = ["Touches", "Sensors and indenters", "Signals", "What the checks found", "Split", "More", "Use it"]
+    titles = [
+        "Touches",
+        "Cameras",
+        "Sensors and indenters",
+        "Signals",
+        "What the checks found",
+        "Split",
+        "More",
+        "Use it",
+    ]
     assert [section.title for section in kept["sections"]] == titles
     assert list(kept["sections"][0].pictures) == [PNG]
     assert kept["sections"][-1].code == ["program of mine"]
-    assert kept["sections"][1].rows == [
+    assert kept["sections"][1].rows == [("digit", 3, "one, two")]
+    assert kept["sections"][2].rows == [
         ("sensor", "D1", 2, 3), ("indenter", "(not named)", 1, 2), ("indenter", "ball", 1, 1),
     ]  # fmt: skip
-    assert kept["sections"][2].rows == [
+    assert kept["sections"][3].rows == [
         ("tcp", "x y", "not stated", 7, 100.0, "-"), ("wrench", "fx", "ft", 8, 50.0, 25.0),
     ]  # fmt: skip
     assert kept["footer"].endswith("store digest d1gest")
-    monkeypatch.setattr(module, "overview", lambda store: FACTS | {"signals": {}})
+    monkeypatch.setattr(module, "overview", lambda store: FACTS | {"signals": {}, "by_camera": {}})
     page(Tables(), None, "mine")
-    assert [section.title for section in kept["sections"]] == [titles[1], *titles[3:5], titles[6]]
+    assert [section.title for section in kept["sections"]] == [titles[2], *titles[4:6], titles[7]]
 
 
 def test_findings_are_ranked_and_sixty_are_shown():

@@ -271,7 +271,8 @@ def test_a_report_as_json_values():
         "store": "s.zarr", "unclaimed": ["x"], "stale_splits": ["default"], "fell_short": True,
         "findings": [vars(finding)], "simulated_recordings": {"simulated": 0, "real": 0, "not_stated": 0},
         "sources": [{
-            "key": "k", "state": "failed", "status": "damaged", "frames": 1, "trajectories": 2, "kind": "real",
+            "key": "k", "name": "k", "place": "",
+                "state": "failed", "status": "damaged", "frames": 1, "trajectories": 2, "kind": "real",
                 "copy_of": "",
             "error": "broken", "findings": [vars(finding)],
         }],

@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 
-from tactiledata.ingest.trajectories.segment import MARGIN, contact_spans, segment_by_contact, whole_recording
+from tactiledata.ingest.trajectories.segment import (
+    MARGIN,
+    beginning_finding,
+    contact_spans,
+    segment_by_contact,
+    whole_recording,
+)
 from tests.ingest.made_takes import signal
 
 START = 1_700_000_000_000_000_000
@@ -95,3 +101,33 @@ def test_a_whole_recording_is_one_trajectory():
     (only,), finding = whole_recording(5, 9, "D1")
     assert (only.name, only.start_ns, only.end_ns, only.sensor) == ("whole-recording", 5, 10, "D1")
     assert (finding.code, finding.severity, finding.start_ns, finding.end_ns) == ("no-segmentation", "warning", 5, 9)
+
+
+@pytest.mark.parametrize(
+    ("presses", "touches", "is_said"),
+    [
+        ([(0, 90)], [], True),
+        ([(0, 90), (900, 1900)], [(900, 1900)], True),
+        ([(0, 299), (900, 1900)], [(900, 1900)], True),
+        ([(0, 300), (900, 1900)], [(0, 300), (900, 1900)], False),
+        ([(1, 90)], [(1, 90)], False),
+        ([(0, 90), (200, 1900)], [(0, 1900)], False),
+        ([(0, 30)], [], False),
+        ([], [], False),
+    ],
+    ids=["alone", "before a touch", "just under the limit", "long", "with an onset", "joined", "a knock", "nothing"],
+)
+def test_a_force_at_the_beginning_is_no_touch(presses, touches, is_said):
+    """What is there at the first sample and gone at once is said and is no touch; touches with an onset stay."""
+    t_ns, force = forces(*presses)
+    values = np.zeros((len(force), 6))
+    values[:, 2] = force
+    wrench = signal("contact_wrench", t_ns, values)
+    found = segment_by_contact(wrench, 0.0, "D1")
+    assert [touch.name for touch in found] == [f"touch-{number:04d}" for number in range(len(touches))]
+    middles = [START + (first + last) // 2 * MS for first, last in touches]
+    assert all(touch.start_ns < middle < touch.end_ns for touch, middle in zip(found, middles, strict=True))
+    finding = beginning_finding(wrench, 0.0)
+    assert (finding is not None) == is_said
+    if finding is not None:
+        assert (finding.code, finding.start_ns) == ("begins-under-force", START)

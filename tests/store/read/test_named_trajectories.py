@@ -60,6 +60,32 @@ def test_a_recording_and_its_touch_is_the_name_where_it_suffices(tiny_mcaps, tmp
     assert named_trajectories(store, [f"b.mcap/{own}"]) == [full_names(store).index(f"b.mcap/{own}")]
 
 
+def test_full_names_tell_recordings_of_one_name_apart(twice):
+    """Each full name means its own trajectory, though two recordings have one name."""
+    store, _ = twice
+    names = full_names(store)
+    assert {name.partition("/")[0] for name in names} == {"run.mcap~1", "run.mcap~2"}
+    assert [named_trajectories(store, [name]) for name in names] == [[row] for row in range(len(names))]
+
+
+def test_a_recording_means_all_its_trajectories(twice, tiny_store):
+    """Where it is allowed, the name of a recording is taken; one that two recordings have is answered with theirs."""
+    store, digests = twice
+    sources = store.trajectories(["source"])["source"].to_pylist()
+    for number in range(2):
+        rows = named_trajectories(store, [f"run.mcap~{number + 1}"], whole_recordings=True)
+        assert rows == [row for row, source in enumerate(sources) if source == number]
+    with pytest.raises(UsageError, match="2 recordings are called") as caught:
+        named_trajectories(store, ["run.mcap"], whole_recordings=True)
+    assert f"run.mcap~2 (SHA-256 {digests[1][:12]}…, 2 trajectories)" in caught.value.expected
+    one = Store.open(tiny_store)
+    assert named_trajectories(one, ["D20001.mcap"], whole_recordings=True) == [0, 1]
+    with pytest.raises(UnknownName):
+        named_trajectories(one, ["D20001.mcap"])
+    with pytest.raises(UnknownName, match="trajectory or recording"):
+        named_trajectories(one, ["D29999.mcap"], whole_recordings=True)
+
+
 def test_a_name_that_is_clear_or_unknown(tiny_store):
     """One trajectory is found by each of its names, and an unknown name lists near ones."""
     store = Store.open(tiny_store)
