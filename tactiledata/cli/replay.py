@@ -131,13 +131,13 @@ def replay(
     need_writable_folder(out, f"replay-{options.mesh_name}.html")
     # replay
     location = working_store(store)
-    opened = Store.open(location)
-    refuse_result_of_another_store(out / f"replay-{options.mesh_name}.html", opened, replace)
-    elsewhere = [
-        f"{path}: {words}"
-        for path, document in ((calibration, calibrated), (effects, diagnosed))
-        if (words := made_of_another_store(document, opened))
-    ]
+    elsewhere: list[str] = []
+    if Path(location).is_dir():
+        opened = Store.open(location)
+        refuse_result_of_another_store(out / f"replay-{options.mesh_name}.html", opened, replace)
+        files = ((calibration, calibrated), (effects, diagnosed))
+        made = ((path, made_of_another_store(document, opened)) for path, document in files)
+        elsewhere = [f"{path}: {words}" for path, words in made if words]
     if not as_json:
         for words in elsewhere:
             err().print(plain(f"note: {words}"))
