@@ -1,20 +1,32 @@
-"""The content of a chunk, decompressed within bounds and vouched for by its CRC."""
+"""The content of a chunk, decompressed within bounds and vouched for by its CRC, by a thread ahead of the reader."""
 
 from __future__ import annotations
 
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 
 import lz4.frame
 import zstandard
 
 from tactiledata.errors import BrokenLog
-from tactiledata.formats.mcap.layout import HEAD, ChunkHead, chunk_head
+from tactiledata.formats.mcap.layout import CHUNK_RECORD, HEAD, ChunkHead, chunk_head
+from tactiledata.formats.mcap.records import LostSpan, Record
 
 MAX_CHUNK_BYTES = 2**29
 """Largest content of a chunk that is taken into memory; writers use some MB."""
 HIGHEST_RATIO = {"zstd": 60_000, "lz4": 256}
 """How many times larger than the stored bytes a content can be; a larger claim is a bomb or damage."""
+
+Content = tuple[ChunkHead, bytes] | BrokenLog | None
+"""Head and records of a chunk, or why they cannot be had; ``None`` for what is no chunk."""
+Met = tuple[Record | LostSpan, Content]
+
+MOST_RECORDS = 64
+ENOUGH_BYTES = 2**18
+"""Records are read together until they are so many or have so many bytes: less is not worth a hand-over."""
+AHEAD_BYTES = 8 * 2**20
+"""Nothing is read beside records that have more bytes, contents of chunks included: memory would hold two such."""
 
 
 def chunk_content(body: bytes) -> tuple[ChunkHead, bytes]:
@@ -80,3 +92,42 @@ def records_in(content: bytes) -> Iterator[tuple[int, int, int]]:
         if position > end:
             raise BrokenLog(f"a record of {length} bytes that leaves its chunk", code="chunk-content")
         yield opcode, start, position
+
+
+def read_ahead(records: Iterable[Record | LostSpan]) -> Iterator[Met]:
+    """Each record in its order, and what it holds if it is a chunk.
+
+    Parameters
+    ----------
+    records : iterable of Record or LostSpan
+        Drawn from by one thread at a time, some records before they are asked for.
+    """
+    source = iter(records)
+    with ThreadPoolExecutor(1, thread_name_prefix="read-ahead") as thread:
+        several, n_bytes = _next_records(source)
+        while several:
+            waiting = thread.submit(_next_records, source) if n_bytes <= AHEAD_BYTES else None
+            yield from several
+            several.clear()  # their memory before that of the next ones
+            several, n_bytes = waiting.result() if waiting else _next_records(source)
+
+
+def _next_records(source: Iterator[Record | LostSpan]) -> tuple[list[Met], int]:
+    """Some records, none at the end, and how many bytes they and the contents of their chunks have."""
+    several: list[Met] = []
+    n_bytes = 0
+    for record in source:
+        content = _content(record) if isinstance(record, Record) and record.opcode == CHUNK_RECORD else None
+        several.append((record, content))
+        n_bytes += len(record.body) if isinstance(record, Record) else 0
+        n_bytes += len(content[1]) if isinstance(content, tuple) else 0
+        if n_bytes >= ENOUGH_BYTES or len(several) == MOST_RECORDS:
+            break
+    return several, n_bytes
+
+
+def _content(record: Record) -> Content:
+    try:
+        return chunk_content(record.body)
+    except BrokenLog as fault:
+        return fault

@@ -11,16 +11,16 @@ from mcap.records import Channel, Schema
 from tactiledata.contract.records import Finding, Severity
 from tactiledata.contract.wording import agreeing, counted
 from tactiledata.errors import BrokenLog
-from tactiledata.formats.mcap.chunks import chunk_content
+from tactiledata.formats.mcap.chunks import read_ahead
 from tactiledata.formats.mcap.layout import (
     CHANNEL,
-    CHUNK_RECORD,
     HEAD,
     MESSAGE,
     MESSAGE_FIELDS,
     MESSAGE_INDEX,
     MESSAGE_RECORD,
     SCHEMA,
+    ChunkHead,
     chunk_head,
 )
 from tactiledata.formats.mcap.records import LostSpan, Record, RecordWalker
@@ -71,7 +71,7 @@ class Playback:
         with inventory.path.open("rb") as stream:
             walker = RecordWalker(stream, inventory.size, inventory.landmarks, with_crc=bool(inventory.data_crc))
             bad_chunk: LostSpan | None = None
-            for record in walker:
+            for record, content in read_ahead(walker):
                 if bad_chunk is not None:
                     if isinstance(record, Record) and record.opcode == MESSAGE_INDEX:
                         bad_chunk = _with_indexed(bad_chunk, record.body)
@@ -80,8 +80,8 @@ class Playback:
                     bad_chunk = None
                 if isinstance(record, LostSpan):
                     self._lose(record)
-                elif record.opcode == CHUNK_RECORD:
-                    bad_chunk = self._play_chunk(record)
+                elif content is not None:
+                    bad_chunk = self._play_chunk(record, content)
                 else:
                     self._play_outer(record)
             if bad_chunk is not None:
@@ -97,19 +97,18 @@ class Playback:
         elif record.opcode in (SCHEMA, CHANNEL):
             self._define(record.opcode, record.body)
 
-    def _play_chunk(self, record: Record) -> LostSpan | None:
+    def _play_chunk(self, record: Record, content: tuple[ChunkHead, bytes] | BrokenLog) -> LostSpan | None:
         """A chunk's messages to their handlers, or what is lost with it."""
         self._chunks += 1
-        head = chunk_head(record.body)
-        span = (None, None) if head is None else (head.start_ns, head.end_ns)
-        try:
-            head, content = chunk_content(record.body)
-        except BrokenLog as fault:
-            where = f"{fault.found} at byte {record.offset}"
-            return LostSpan(fault.facts["code"], where, *_plausible_span(*span))
+        if isinstance(content, BrokenLog):
+            stated = chunk_head(record.body)
+            span = (None, None) if stated is None else (stated.start_ns, stated.end_ns)
+            where = f"{content.found} at byte {record.offset}"
+            return LostSpan(content.facts["code"], where, *_plausible_span(*span))
+        head, messages = content
         self._chunks_without_crc += head.crc == 0
         try:
-            self._drain(content)
+            self._drain(messages)
         except BrokenLog as fault:
             self._lose(LostSpan(fault.facts["code"], f"{fault.found} (chunk at byte {record.offset})"))
         return None

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from tactiledata.contract.image_bytes import decode_rgb
 from tactiledata.errors import BrokenLog
 from tactiledata.store.layout.shards import unpack_frame
-from tactiledata.store.write.spool import spool_name
+from tactiledata.store.write.spool import PART_BYTES, spool_name
 
 
 @dataclass(frozen=True)
@@ -36,9 +36,9 @@ class SpooledImages:
         facts = self._facts(row)
         if facts["encoding"] == "missing":
             return "missing", b""
-        name = spool_name(facts["camera"], facts["encoding"], facts["height"], facts["width"])
+        name = spool_name(*(facts[fact] for fact in ("camera", "encoding", "height", "width", "offset")))
         with (self.folder / name).open("rb") as stream:
-            stream.seek(facts["offset"])
+            stream.seek(facts["offset"] % PART_BYTES)
             return facts["encoding"], stream.read(facts["length"])
 
     def tails(self, rows: Sequence[int], length: int) -> list[bytes]:

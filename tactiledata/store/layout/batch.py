@@ -7,6 +7,7 @@ another; synced together by 16 threads they cost 0.3 ms each, because the file s
 from __future__ import annotations
 
 import secrets
+import shutil
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from types import TracebackType
@@ -42,12 +43,33 @@ class Batch:
 
     def write(self, path: str, content: bytes | memoryview) -> None:
         """Give a file a new content."""
+        self._place(path).write_bytes(content)
+
+    def link(self, path: str, source: Path) -> None:
+        """Give a file the content of another, which must not change afterwards: its bytes are shared where they can be.
+
+        Parameters
+        ----------
+        path : str
+            Path of the file.
+        source : Path
+            The other file; it may be removed once the content is published.
+        """
+        place = self._place(path)
+        place.unlink(missing_ok=True)
+        try:
+            place.hardlink_to(source)
+        except OSError:  # a file system without links, or one that has too many of this file
+            shutil.copyfile(source, place)
+
+    def _place(self, path: str) -> Path:
+        """Where the new content of a file waits, in a folder that is there."""
         folder, _, name = path.rpartition("/")
         waiting = self._pending.get(path) or f"{folder}/.{name[:60]}.{secrets.token_hex(4)}.part".lstrip("/")
         self._pending[path] = waiting
         place = self.root / waiting
         place.parent.mkdir(parents=True, exist_ok=True)
-        place.write_bytes(content)
+        return place
 
     def where(self, path: str) -> str:
         """The path under which a file's newest content lies now."""

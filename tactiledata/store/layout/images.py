@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from tactiledata.arrays import Indices
 from tactiledata.errors import StoreError
 from tactiledata.store.layout.batch import Batch
-from tactiledata.store.layout.shards import is_whole, shard_bytes, shard_chunks
+from tactiledata.store.layout.shards import index_bytes, is_whole, shard_bytes, shard_chunks, shard_index
 
 BLOCK = 8 * 2**20
 
@@ -221,18 +221,42 @@ class ShardAppender:
         """
         chunks = self._tail() if self._chunks is None else self._chunks
         first = self.count
+        is_shard = not chunks and self._is_shard(spool, offsets, lengths)
         with spool.open("rb") as stream:
             for offset, length in zip(offsets.tolist(), lengths.tolist(), strict=True):
                 content = os.pread(stream.fileno(), length, offset)
                 if not is_whole(content):
                     raise damaged_spool(spool)
-                chunks.append(content)
                 self.count += 1
+                if is_shard:
+                    continue
+                chunks.append(content)
                 if self.count % self.capacity == 0:
                     self._write(self.count // self.capacity - 1, chunks)
                     chunks = []
+        if is_shard:
+            self._take(spool, lengths)
         self._chunks = chunks
         return np.arange(first, self.count, dtype=np.int64)
+
+    def _is_shard(self, spool: Path, offsets: Indices, lengths: Indices) -> bool:
+        """Whether frames are all that a spool file holds, in its order, and as many as a shard takes.
+
+        A commit that was killed may have written the shard's index behind them already.
+        """
+        ends = np.cumsum(lengths)
+        return (
+            len(lengths) == self.capacity
+            and bool((offsets == ends - lengths).all())
+            and spool.stat().st_size in (ends[-1], ends[-1] + index_bytes(self.capacity))
+        )
+
+    def _take(self, spool: Path, lengths: Indices) -> None:
+        """A spool file that holds a shard's frames becomes the last shard, its bytes where they are."""
+        with spool.open("r+b") as stream:
+            stream.seek(int(lengths.sum()))
+            stream.write(shard_index(lengths.tolist(), self.capacity))
+        self.batch.link(shard_file(self.path, self.count // self.capacity - 1), spool)
 
     def _tail(self) -> list[bytes]:
         if self.count % self.capacity == 0:

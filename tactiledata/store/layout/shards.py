@@ -78,12 +78,17 @@ def shard_chunks(content: bytes, capacity: int, where: str) -> list[bytes]:
 
 def shard_bytes(chunks: Sequence[bytes], capacity: int) -> bytes:
     """A shard file that holds these chunks first and nothing after them."""
+    return b"".join([*chunks, shard_index([len(chunk) for chunk in chunks], capacity)])
+
+
+def shard_index(lengths: Sequence[int], capacity: int) -> bytes:
+    """What a shard file ends with, where chunks of these lengths lie first in it, one after another."""
     index = np.full((capacity, 2), ABSENT, dtype="<u8")
-    ends = np.cumsum([len(chunk) for chunk in chunks], dtype="<u8")
-    index[: len(chunks), 1] = [len(chunk) for chunk in chunks]
-    index[: len(chunks), 0] = ends - index[: len(chunks), 1]
+    ends = np.cumsum(lengths, dtype="<u8")
+    index[: len(lengths), 1] = lengths
+    index[: len(lengths), 0] = ends - index[: len(lengths), 1]
     table = index.tobytes()
-    return b"".join([*chunks, table, CRC.pack(google_crc32c.value(table))])
+    return table + CRC.pack(google_crc32c.value(table))
 
 
 def index_bytes(capacity: int) -> int:

@@ -12,7 +12,7 @@ from tactiledata.store.layout.batch import Batch
 from tactiledata.store.layout.images import HeapAppender, ShardAppender
 from tactiledata.store.layout.manifest import Manifest, settings_of
 from tactiledata.store.layout.places import heap_path, rgb_path
-from tactiledata.store.write.spool import spool_name
+from tactiledata.store.write.spool import PART_BYTES, spool_name
 from tactiledata.store.write.writer import StagedTake
 
 
@@ -50,10 +50,14 @@ class ImageAppender:
                 offset[encoded] = self._heap(name).append(spool, read_at[encoded], n_read[encoded], crc32c[encoded])
                 length[encoded] = n_read[encoded]
             raw = np.flatnonzero((camera == name) & (encoding == "raw"))
+            # in the order of the recording, in which whole files of the spool become shards
+            raw = raw[np.argsort(read_at[raw], kind="stable")]
             for size in dict.fromkeys(zip(height[raw].tolist(), width[raw].tolist(), strict=True)):
                 chosen = raw[(height[raw] == size[0]) & (width[raw] == size[1])]
-                spool = take.folder / spool_name(name, "raw", *size)
-                offset[chosen] = self._shard(name, *size).append(spool, read_at[chosen], n_read[chosen])
+                shard, part = self._shard(name, *size), read_at[chosen] // PART_BYTES
+                for run in np.split(chosen, np.flatnonzero(np.diff(part)) + 1):
+                    spool = take.folder / spool_name(name, "raw", *size, int(read_at[run[0]]))
+                    offset[run] = shard.append(spool, read_at[run] % PART_BYTES, n_read[run])
         return offset, length
 
     def finish(self) -> None:

@@ -22,12 +22,15 @@ from tactiledata.store.write.image_columns import ImageColumns
 BUFFER = 2**20
 MOST_WAITING = 16
 """Images in memory that wait for their turn."""
+PART_BYTES = 2**40
+"""Offsets of raw frames count through the files of a camera and size, each of which begins at a multiple of this."""
 
 
 class Spool:
     """An image sink that writes payloads to a folder; memory stays flat (about 100 bytes an image).
 
-    One file a camera for encoded images, one a camera and size for raw ones, which are compressed here, once.
+    One file a camera for encoded images. Raw ones are compressed here, once: one file a camera, size and as many frames
+    as a shard of the store takes, so that a commit can take such a file as a shard.
 
     Parameters
     ----------
@@ -48,8 +51,10 @@ class Spool:
 
     def __init__(self, folder: Path | str, largest_payload: int = Settings().heap_chunk_bytes) -> None:
         self.folder = Path(folder)
+        self._settings = Settings()
         self._files: dict[str, BinaryIO] = {}
-        self._ends: dict[str, int] = {}
+        self._sizes: dict[str, int] = {}
+        self._raw_frames: dict[tuple[str, int, int], int] = {}
         self._columns = ImageColumns(largest_payload)
         self._waiting: deque[tuple[Image, Future[tuple[bytes, int]] | None]] = deque()
         self._threads: ThreadPoolExecutor | None = None
@@ -107,16 +112,31 @@ class Spool:
         """The offset of a payload that was appended to its file."""
         if image.encoding == "missing":
             return -1
-        name = spool_name(image.camera, image.encoding, image.height, image.width)
+        start = self._start(image) if image.encoding == "raw" else 0
+        name = spool_name(image.camera, image.encoding, image.height, image.width, start)
         try:
             if name not in self._files:
                 self._files[name] = (self.folder / name).open("wb", buffering=BUFFER)
-                self._ends[name] = 0
+                self._sizes[name] = 0
             self._files[name].write(content)
         except OSError as error:
             raise unwritable(self.folder, error) from error
-        self._ends[name] += len(content)
-        return self._ends[name] - len(content)
+        self._sizes[name] += len(content)
+        return start + self._sizes[name] - len(content)
+
+    def _start(self, image: Image) -> int:
+        """The offset at which the file of the next raw frame begins; the file before it is closed when it is full."""
+        kind = image.camera, image.height, image.width
+        before = self._raw_frames.get(kind, 0)
+        self._raw_frames[kind] = before + 1
+        part, place = divmod(before, self._settings.frames_per_shard(image.height, image.width))
+        if part and not place:
+            full = spool_name(image.camera, "raw", image.height, image.width, (part - 1) * PART_BYTES)
+            try:
+                self._files.pop(full).close()
+            except OSError as error:
+                raise unwritable(self.folder, error) from error
+        return part * PART_BYTES
 
     def columns(self) -> pa.Table:
         """A row for each image, in the order in which they came, as `ImageColumns.table` has it."""
@@ -126,7 +146,7 @@ class Spool:
     def bytes_written(self) -> int:
         """Bytes on disk so far."""
         self._drain()
-        return sum(self._ends.values())
+        return sum(self._sizes.values())
 
     def close(self) -> None:
         """All payloads are in their files."""
@@ -151,8 +171,8 @@ def default_threads() -> int:
     return max(1, min(4, len(os.sched_getaffinity(0))))
 
 
-def spool_name(camera: str, encoding: str, height: int, width: int) -> str:
-    """The spool file of an image: one a camera for encoded images, one a camera and size for raw ones.
+def spool_name(camera: str, encoding: str, height: int, width: int, offset: int = 0) -> str:
+    """The spool file of an image: one a camera for encoded images, one a camera, size and shard for raw ones.
 
     Parameters
     ----------
@@ -162,5 +182,10 @@ def spool_name(camera: str, encoding: str, height: int, width: int) -> str:
         ``"raw"``, or that of encoded images.
     height, width : int
         Pixels; they count for raw images only.
+    offset : int
+        That of the image; it counts for raw images only, whose bytes begin at its remainder by ``PART_BYTES``.
     """
-    return f"{folder_name(camera)}.rgb_{height}x{width}" if encoding == "raw" else f"{folder_name(camera)}.spool"
+    if encoding != "raw":
+        return f"{folder_name(camera)}.spool"
+    part = offset // PART_BYTES
+    return f"{folder_name(camera)}.rgb_{height}x{width}{f'.{part}' if part else ''}"
