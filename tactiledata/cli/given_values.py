@@ -32,7 +32,7 @@ SEEDS = 2**32
 NAMED = re.compile(r"(?:the gel's )?(?P<name>\w+)(?P<is> is)? (?P<value>.+)", re.DOTALL)
 """What errors say of a value: a parameter's name, and the value."""
 
-WRITTEN = (OUTPUT, "into", "out_store")
+WRITTEN = (OUTPUT, "into", "out_store", "picture")
 """Names of all parameters that say where a command writes: on this machine."""
 
 
@@ -202,9 +202,10 @@ def _refuse_store(path: str, option: str) -> None:
 
 
 def need_local_place(place: str, option: str) -> None:
-    """Refuse an address where something will be written, and a link that leads nowhere.
+    """Refuse an address where something will be written, a link that leads nowhere, and a name that is no text.
 
-    A folder with the name of the address would come to be on this machine.
+    A folder with the name of the address would come to be on this machine; stores, pages and documents hold names of
+    files as UTF-8.
 
     Parameters
     ----------
@@ -216,8 +217,15 @@ def need_local_place(place: str, option: str) -> None:
     Raises
     ------
     UsageError
-        It is an address, such as ``s3://bucket/x``, and no path; or it, or a folder around it, is a link to nothing.
+        It is an address, such as ``s3://bucket/x``, and no path; or it, or a folder around it, is a link to nothing; or
+        it holds bytes that are no UTF-8.
     """
+    try:
+        place.encode()
+    except UnicodeEncodeError as error:
+        raise UsageError(
+            f"{option} {place!r} holds bytes that are no UTF-8 text", "a name that is UTF-8 text", "Name another place."
+        ) from error
     if "://" in place or "::" in place:
         raise UsageError(
             f"{option} {place!r} is an address",

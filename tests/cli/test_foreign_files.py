@@ -137,6 +137,18 @@ def test_a_pipe_or_a_device_is_no_empty_file(kind, bench, capsys):
     assert place.is_fifo() or place.is_symlink()
 
 
+@pytest.mark.parametrize("name", LINKED)
+def test_a_name_that_is_no_text_is_refused_before_any_work(name, bench, capsys):
+    """Bytes that are no UTF-8 cannot be written into documents: wrong usage, and nothing comes to be."""
+    words = typed(bench, LINKED[name])
+    before = set(bench.folder.iterdir())
+    place = os.fsdecode(b"st\xff.zarr")
+    code, text = command(capsys, name, *words, place)
+    assert code == 2, text
+    assert f"{words[-1]} 'st\\udcff.zarr' holds bytes that are no UTF-8 text" in " ".join(text.split())
+    assert set(bench.folder.iterdir()) == before
+
+
 def test_a_marked_picture_is_the_same_picture():
     """The mark is a chunk of its own with a checksum that fits, and pixels do not change."""
     picture = np.random.default_rng(0).integers(0, 256, (9, 7, 3), np.uint8)
