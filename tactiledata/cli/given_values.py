@@ -116,7 +116,7 @@ def is_given(context: typer.Context, name: str) -> bool:
 
 
 def refuse_given(context: typer.Context, names: Iterable[str], found: str, expected: str) -> None:
-    """Refuse options that were typed and would change nothing.
+    """Refuse options that were typed and would change nothing; one that was typed with its default passes.
 
     Parameters
     ----------
@@ -132,14 +132,15 @@ def refuse_given(context: typer.Context, names: Iterable[str], found: str, expec
     Raises
     ------
     UsageError
-        One of them was typed.
+        One of them was typed, with another value than its default.
     """
-    options = {parameter.name: parameter.opts[0] for parameter in context.command.params}
+    options = {parameter.name: parameter for parameter in context.command.params}
     for name in names:
-        if is_given(context, name):
+        option = options[name].opts[0]
+        if is_given(context, name) and context.params.get(name) != options[name].get_default(context):
             raise UsageError(
-                f"{options[name]} {found}",
-                f"{options[name]} {expected}",
+                f"{option} {found}",
+                f"{option} {expected}",
                 "Leave the option out: it would change nothing.",
             )
 
