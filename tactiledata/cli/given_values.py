@@ -54,7 +54,7 @@ class CheckedCommand(TyperCommand):
             value = typed.get(parameter.name)
             texts = value if isinstance(value, list | tuple) else [value]
             if parameter.default != "" and any(_is_blank(text) for text in texts):
-                self._refuse_blank(parameter)
+                self._refuse_blank(parameter, ctx.command_path)
         for parameter in self.params:
             if parameter.name == OUTPUT and typed.get(OUTPUT) is not None:
                 _refuse_store(str(typed[OUTPUT]), max(parameter.opts, key=len))
@@ -74,8 +74,14 @@ class CheckedCommand(TyperCommand):
             error.found = _with_option(error.found, self.params, ctx.params)
             raise
 
-    def _refuse_blank(self, parameter: Any) -> None:
+    def _refuse_blank(self, parameter: Any, command: str) -> None:
         name = max(parameter.opts, key=len)
+        if parameter.nargs == -1 and not name.startswith("-"):
+            raise UsageError(
+                f"a word after `{command}` is empty",
+                "a text, or a path",
+                "Write one in its place, or leave the quotes out.",
+            )
         kind = str(signature(self.callback).parameters[parameter.name].annotation) if self.callback else ""
         is_path = "Path" in kind or parameter.name in STORES
         place = f"after {name}" if name.startswith("-") else f"in the place of {name}"
