@@ -92,6 +92,12 @@ def _refuse_foreign_folder(folder: Path) -> None:
     from tactiledata.rig.logs.write_folder import FILES
 
     refuse_foreign(folder)
+    if folder.is_symlink():
+        raise UsageError(
+            f"the recording {folder} is a link to {folder.readlink()}",
+            "a place where nothing is, or a recording as the recorder wrote it",
+            "Remove the link, or name another place with --out.",
+        )
     if not (folder / LOG).is_file():
         return
     with wrong_document_is_wrong_usage():

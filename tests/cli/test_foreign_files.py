@@ -197,3 +197,25 @@ def test_a_link_to_a_folder_is_written_through(bench, capsys):
     code, text = command(capsys, "report", bench.store, "--out", "link")
     assert code == 0, text
     assert (bench.folder / "real" / "report.html").is_file()
+
+
+@pytest.mark.slow
+def test_an_export_is_written_through_a_link(bench, capsys):
+    """The folder behind the link is filled, and the link stays one."""
+    (bench.folder / "real").mkdir()
+    (bench.folder / "link").symlink_to("real")
+    words = ["export-data", bench.store, "--to", "webdataset", "--split", "none", "--out", "link"]
+    code, text = command(capsys, *words)
+    assert code == 0, text
+    assert (bench.folder / "link").is_symlink()
+    assert (bench.folder / "real" / "README.md").is_file()
+
+
+def test_a_link_in_the_place_of_a_recording_is_refused(bench, capsys):
+    """The folder behind it is not what would be replaced; the link stays, and nothing is beside it."""
+    (bench.folder / "real").mkdir()
+    (bench.folder / "D20001").symlink_to("real")
+    code, text = command(capsys, *typed(bench, WRITERS["D20002"]))
+    assert code == 2, text
+    assert "the recording D20001 is a link to real" in " ".join(text.split())
+    assert sorted(path.name for path in bench.folder.iterdir()) == ["D20001", "real"]
