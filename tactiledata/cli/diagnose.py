@@ -98,6 +98,8 @@ def diagnose(
     refuse_given(context, STORE_ONLY if is_table else TABLE_ONLY, f"with {given}", f"with {other}")
     if out is not None:
         need_writable_folder(out, "report.html", "diagnosis.json", "effects.json")
+        if not is_table:
+            _need_own_trials(out)
     need_seed(seed)
     calibrated = None if calibration is None else (calibration_document(calibration), calibration.name)
     # diagnose
@@ -140,11 +142,19 @@ def diagnose(
         raise typer.Exit(1)
 
 
+def _need_own_trials(out: Path) -> None:
+    """Refuse a folder for the scenarios of trials that cannot be written to, or files of others in it."""
+    from tactiledata.diagnose.answer.earlier_files import NEXT, trial_files
+
+    need_writable_folder(out / NEXT, *(trial_files() if (out / NEXT).exists() else ()))
+
+
 def _table(
     path: Path, out: Path | None, seed: int, columns: Path | None, group: str | None, quiet: bool
 ) -> tuple[dict[str, Any], list[Path], bool]:
     """Diagnose a table; return the document, the files written, and whether anything was found."""
     from tactiledata.contract.schema import read_document
+    from tactiledata.diagnose.answer.earlier_files import remove_earlier
     from tactiledata.diagnose.table import diagnose_table, write_diagnosis
 
     meant = None
@@ -153,7 +163,10 @@ def _table(
             meant = read_document(columns, "columns")
     with progress("diagnosing", quiet=quiet) as report_progress:
         read, explanation, document = diagnose_table(path, meant, group, seed, report_progress)
-    written = [] if out is None else list(write_diagnosis(out, path.name, read, explanation, document))
+    if out is None:
+        return document, [], explanation.is_found
+    remove_earlier(out, ())
+    written = list(write_diagnosis(out, path.name, read, explanation, document))
     return document, written, explanation.is_found
 
 

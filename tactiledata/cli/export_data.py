@@ -56,6 +56,8 @@ def export_data(
     chosen = None if streams is None else tuple(name.strip() for name in streams.split(",") if name.strip())
     plan = ExportPlan(to, split or "", camera or "", chosen, action or "", file_mb)
     place = out if out is not None else Path(f"{Path(location.rstrip('/')).stem}-{to}")
+    # a rename ends the export: it would take the place of a link, and not of the folder behind it
+    place = place.resolve() if place.is_symlink() else place
     with (
         damage_explains(location),
         progress(f"exporting to {to}", quiet=as_json) as report_progress,

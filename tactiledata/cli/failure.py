@@ -122,6 +122,13 @@ def _as_ours(error: Exception) -> tuple[TactileDataError, int]:
         if _is_of_writing(error):
             unwritten = TactileDataError(*refusal(error, error.filename or "a file"))
             return unwritten, unwritten.exit_code
+        if error.errno in REFUSED and error.filename:
+            unread = TactileDataError(
+                f"{os.fsdecode(error.filename)} cannot be read: {error.strerror or error}",
+                "a place that you may read",
+                "Check your rights there, or name another place.",
+            )
+            return unread, unread.exit_code
         name = f" ({error.filename})" if error.filename else ""
         refused = TactileDataError(
             f"the system refused: {error.strerror or error}{name}",

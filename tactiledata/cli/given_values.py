@@ -32,7 +32,7 @@ SEEDS = 2**32
 NAMED = re.compile(r"(?:the gel's )?(?P<name>\w+)(?P<is> is)? (?P<value>.+)", re.DOTALL)
 """What errors say of a value: a parameter's name, and the value."""
 
-WRITTEN = (OUTPUT, "into", "out_store")
+WRITTEN = (OUTPUT, "into", "out_store", "picture")
 """Names of all parameters that say where a command writes: on this machine."""
 
 
@@ -54,7 +54,7 @@ class CheckedCommand(TyperCommand):
             value = typed.get(parameter.name)
             texts = value if isinstance(value, list | tuple) else [value]
             if parameter.default != "" and any(_is_blank(text) for text in texts):
-                self._refuse_blank(parameter)
+                self._refuse_blank(parameter, ctx.command_path)
         for parameter in self.params:
             if parameter.name == OUTPUT and typed.get(OUTPUT) is not None:
                 _refuse_store(str(typed[OUTPUT]), max(parameter.opts, key=len))
@@ -74,8 +74,14 @@ class CheckedCommand(TyperCommand):
             error.found = _with_option(error.found, self.params, ctx.params)
             raise
 
-    def _refuse_blank(self, parameter: Any) -> None:
+    def _refuse_blank(self, parameter: Any, command: str) -> None:
         name = max(parameter.opts, key=len)
+        if parameter.nargs == -1 and not name.startswith("-"):
+            raise UsageError(
+                f"a word after `{command}` is empty",
+                "a text, or a path",
+                "Write one in its place, or leave the quotes out.",
+            )
         kind = str(signature(self.callback).parameters[parameter.name].annotation) if self.callback else ""
         is_path = "Path" in kind or parameter.name in STORES
         place = f"after {name}" if name.startswith("-") else f"in the place of {name}"
@@ -116,7 +122,7 @@ def is_given(context: typer.Context, name: str) -> bool:
 
 
 def refuse_given(context: typer.Context, names: Iterable[str], found: str, expected: str) -> None:
-    """Refuse options that were typed and would change nothing.
+    """Refuse options that were typed and would change nothing; one that was typed with its default passes.
 
     Parameters
     ----------
@@ -132,14 +138,15 @@ def refuse_given(context: typer.Context, names: Iterable[str], found: str, expec
     Raises
     ------
     UsageError
-        One of them was typed.
+        One of them was typed, with another value than its default.
     """
-    options = {parameter.name: parameter.opts[0] for parameter in context.command.params}
+    options = {parameter.name: parameter for parameter in context.command.params}
     for name in names:
-        if is_given(context, name):
+        option = options[name].opts[0]
+        if is_given(context, name) and context.params.get(name) != options[name].get_default(context):
             raise UsageError(
-                f"{options[name]} {found}",
-                f"{options[name]} {expected}",
+                f"{option} {found}",
+                f"{option} {expected}",
                 "Leave the option out: it would change nothing.",
             )
 
@@ -202,9 +209,10 @@ def _refuse_store(path: str, option: str) -> None:
 
 
 def need_local_place(place: str, option: str) -> None:
-    """Refuse an address where something will be written, and a link that leads nowhere.
+    """Refuse an address where something will be written, a link that leads nowhere, and a name that is no text.
 
-    A folder with the name of the address would come to be on this machine.
+    A folder with the name of the address would come to be on this machine; stores, pages and documents hold names of
+    files as UTF-8.
 
     Parameters
     ----------
@@ -216,8 +224,15 @@ def need_local_place(place: str, option: str) -> None:
     Raises
     ------
     UsageError
-        It is an address, such as ``s3://bucket/x``, and no path; or it, or a folder around it, is a link to nothing.
+        It is an address, such as ``s3://bucket/x``, and no path; or it, or a folder around it, is a link to nothing; or
+        it holds bytes that are no UTF-8.
     """
+    try:
+        place.encode()
+    except UnicodeEncodeError as error:
+        raise UsageError(
+            f"{option} {place!r} holds bytes that are no UTF-8 text", "a name that is UTF-8 text", "Name another place."
+        ) from error
     if "://" in place or "::" in place:
         raise UsageError(
             f"{option} {place!r} is an address",

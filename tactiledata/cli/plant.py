@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import typer
 
@@ -10,7 +11,11 @@ from tactiledata.cli.given_values import refuse_given
 from tactiledata.cli.output import JSON_OPTION, emit, progress, say
 from tactiledata.cli.working_store import working_store
 from tactiledata.contract.extras import GEL, need_packages
-from tactiledata.errors import UsageError
+from tactiledata.contract.own_files import refuse_foreign
+from tactiledata.errors import StoreError, UsageError
+
+if TYPE_CHECKING:
+    from tactiledata.prove.plant.planting import Planting
 
 SIZELESS = ("any", "nothing")
 """Words after --effect that leave no size to state: chance draws both, or nothing is planted."""
@@ -62,14 +67,14 @@ def plant(
 def _plant(location: str, effect: str, size: float | None, into: Path, as_json: bool) -> None:
     """Plant an effect into a copy of a store, or go on with a copy that was begun."""
     need_packages("planting an effect", *GEL)
-    from tactiledata.prove.plant.label import drawn_planting, kept_planting, seal_files, write_label
+    from tactiledata.prove.plant.label import drawn_planting, seal_files, write_label
     from tactiledata.prove.plant.planting import need_readings, plant_into
     from tactiledata.prove.seal.folder import read_json
     from tactiledata.store.read.reader import Store
 
     store = Store.open(location)
     need_readings(store)
-    planting = kept_planting(into)
+    planting = _begun_planting(into)
     if planting is None:
         if into.exists():
             raise UsageError(
@@ -94,6 +99,30 @@ def _plant(location: str, effect: str, size: float | None, into: Path, as_json: 
     say(f"Keep {label_file} from whoever diagnoses the copy; {seal_file} may be published.")
     for note in notes:
         say(f"note: {note}")
+
+
+def _begun_planting(into: Path) -> Planting | None:
+    """Return what an interrupted call began to plant; refuse labels and seals of others, and one without the other."""
+    from tactiledata.prove.plant.label import FORMAT, kept_planting, seal_files
+
+    files = seal_files(into)
+    for path in files:
+        refuse_foreign(path, FORMAT.encode())
+    there, gone = ([path for path in files if path.exists() is wanted] for wanted in (True, False))
+    if there and gone:
+        raise UsageError(
+            f"{there[0]} is there, and {gone[0].name} is not beside it",
+            "both, of a copy that was begun, or neither",
+            f"Put {gone[0].name} back beside it, or name another place with --into.",
+        )
+    try:
+        return kept_planting(into)
+    except (KeyError, TypeError) as error:
+        raise StoreError(
+            f"{files[1]} holds no label that can be read",
+            "the label that was sealed",
+            "Name another place with --into.",
+        ) from error
 
 
 def _score(copy: Path, diagnosis: Path | None, as_json: bool) -> None:

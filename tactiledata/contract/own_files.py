@@ -16,47 +16,57 @@ MARKS = {
     ".png": b"Software\0tactiledata",
     ".rrd": b"tactiledata-",
     ".xml": b'<mujoco model="touch">',
-    ".yaml": b"tool: tactiledata rig",
+    ".yaml": b"tool: tactiledata ",
 }
 """Bytes that files of ours hold, by the ending of their names."""
-LOG = "log.yaml"
-"""File of a recording that is a folder: its mark is that of the folder."""
+LOG, RECORDED = "log.yaml", b"tool: tactiledata rig"
+"""File of a recording that is a folder, and its mark: it is that of the folder."""
 CHUNK = 1 << 20
 """Bytes of a file that are looked at together."""
 _HEADER = 33
 """Bytes of a PNG before the second chunk: eight of the signature, and the first chunk."""
 
 
-def is_ours(path: Path) -> bool:
+def is_ours(path: Path, mark: bytes | None = None) -> bool:
     """Whether a file, or a recording that is a folder, was written by this program, or holds nothing yet.
 
     Parameters
     ----------
     path : Path
-        A file, or a folder, that exists.
+        A file, or a folder, that exists. A pipe or a device is never ours.
+    mark : bytes, optional
+        What a file of ours holds, where its name does not say so.
     """
     if path.is_dir():
-        return not any(path.iterdir()) or ((path / LOG).is_file() and _holds(path / LOG, MARKS[".yaml"]))
-    mark = MARKS.get(path.suffix.lower())
+        return not any(path.iterdir()) or ((path / LOG).is_file() and _holds(path / LOG, RECORDED))
+    # pipes and devices have no bytes either, and reading one may never end
+    if not path.is_file():
+        return False
+    mark = mark or MARKS.get(path.suffix.lower())
     return path.stat().st_size == 0 or (mark is not None and _holds(path, mark))
 
 
-def refuse_foreign(path: Path) -> None:
+def refuse_foreign(path: Path, mark: bytes | None = None) -> None:
     """Refuse to replace what this program did not write.
 
     Parameters
     ----------
     path : Path
         Where something will be written; nothing need be there.
+    mark : bytes, optional
+        What a file of ours holds, where its name does not say so.
 
     Raises
     ------
     UsageError
-        A file or a folder of others is there.
+        A file or a folder of others is there, or a pipe or a device.
     """
-    if path.exists() and not is_ours(path):
+    if path.exists() and not is_ours(path, mark):
+        is_plain = path.is_file() or path.is_dir()
         raise UsageError(
-            f"{path} is there, and tactiledata did not write it",
+            f"{path} is there and carries no mark of tactiledata: others wrote it, or an earlier version did"
+            if is_plain
+            else f"{path} is no file, but a pipe, a device or a socket",
             "a place where nothing is, or a file that an earlier run wrote there",
             "Move it, or name another place.",
         )
@@ -78,6 +88,19 @@ def marked_png(content: bytes) -> bytes:
 def mark_png(path: Path) -> None:
     """Give the mark of this program to a PNG that a part of it wrote without."""
     write_atomic(path, marked_png(path.read_bytes()))
+
+
+def marked_yaml(text: str, command: str) -> bytes:
+    """The bytes of a YAML file with the mark of this program, as a comment in its first line.
+
+    Parameters
+    ----------
+    text : str
+        The document.
+    command : str
+        Name of the command that writes it.
+    """
+    return b"# " + MARKS[".yaml"] + f"{command}\n{text}".encode()
 
 
 def _holds(path: Path, mark: bytes) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import threading
+import time
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
@@ -19,6 +20,8 @@ from tactiledata.errors import TactileDataError, UsageError
 
 ORPHANED = 1
 """Exit status of a worker whose parent is gone."""
+GRACE_S = 0.5
+"""Time, s, in which a worker leaves its task when its parent has ended: what it was writing is then removed."""
 WARNINGS = "PYTHONWARNINGS"
 """Variable of the environment that says which warnings a process of Python prints."""
 NO_LEAKS = "ignore:resource_tracker"
@@ -35,6 +38,13 @@ class StartedWorker(SpawnProcess):
         """Start the process; it begins with interrupts blocked, as it takes over the mask of this thread."""
         with _interrupts_kept():
             super().start()
+
+    def run(self) -> None:
+        """Do the process's work; where the parent is gone there is nobody to tell."""
+        try:
+            super().run()
+        except (BrokenPipeError, ConnectionResetError, EOFError):
+            raise SystemExit(ORPHANED) from None
 
 
 class WorkerContext(SpawnContext):
@@ -145,12 +155,23 @@ def worker_died(task: object) -> TactileDataError:
 
 def _end_with_parent(watched: Connection) -> None:
     """Prepare a worker: an interrupt of the terminal is the parent's to handle, and the parent's end is its own."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    is_orphan = threading.Event()
+
+    def leave(number: int, frame: Any) -> None:
+        """Leave the task where the parent is gone, so that its `finally` blocks run."""
+        if is_orphan.is_set():
+            raise SystemExit(ORPHANED)
+
+    signal.signal(signal.SIGINT, leave)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-    threading.Thread(target=_exit_at_end, args=(watched,), daemon=True).start()
+    main = threading.get_ident()
+    threading.Thread(target=_exit_at_end, args=(watched, is_orphan, main), daemon=True).start()
 
 
-def _exit_at_end(watched: Connection) -> None:
+def _exit_at_end(watched: Connection, is_orphan: threading.Event, main: int) -> None:
     watched.poll(None)
+    is_orphan.set()
+    signal.pthread_kill(main, signal.SIGINT)
+    time.sleep(GRACE_S)
     # the main thread may be deep in a computation: nothing but the process itself can be ended
     os._exit(ORPHANED)

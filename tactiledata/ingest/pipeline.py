@@ -156,18 +156,18 @@ class _Watch:
         self._total, self._progress = total, progress or no_progress
         self._read, self._stored = 0, 0
 
-    def read(self, key: str) -> None:
+    def read(self, key: str, is_read: bool) -> None:
         """Take notice of a source that was read, or cannot be."""
         self._read += 1
-        self._tell(key)
+        self._tell(f"{key} {'read' if is_read else 'not read'}")
 
     def stored(self, count: int) -> None:
         """Take notice of so many more sources that are in the store."""
         self._stored += count
         self._tell()
 
-    def _tell(self, key: str = "") -> None:
-        parts = [f"{key} read"] if key else []
+    def _tell(self, source: str = "") -> None:
+        parts = [source] if source else []
         # nothing is said of a store before the first commit: a few sources are committed at the end, all at once
         parts += [f"{self._stored} stored so far"] if self._stored else []
         self._progress(self._read, self._total, ", ".join(parts))
@@ -184,7 +184,7 @@ def _told(outcomes: Iterator[Outcome[_Task, _Read]], watch: _Watch) -> Iterator[
     for outcome in outcomes:
         if isinstance(outcome.error, StoreError) and "errno" in outcome.error.facts:
             raise outcome.error
-        watch.read(outcome.task.source.key)
+        watch.read(outcome.task.source.key, outcome.is_ok)
         yield outcome
 
 

@@ -18,6 +18,10 @@ from tactiledata.splits.shares import astray_note, filling_seeds, group_sizes
 
 MANY = 10
 """Names listed in a note before it says how many more there are."""
+SEED_WAY_OUT = "try another seed (--seed N --replace), or add data"
+"""What to do where chance fills no part and no seed is known that does."""
+DERIVED_WAY_OUT = "add data: with another seed, they would stand apart from the trajectories that they derive from"
+"""What to do where the parents lie in another store, whose split has this seed."""
 
 
 @dataclass(frozen=True)
@@ -160,16 +164,18 @@ def notes_on(
     """
     wanted = [part for part, share in zip(SHARES, options.fractions, strict=True) if share > 0]
     # which units `auto` holds out goes by the seed, so that counts with another seed can only be told without
-    is_free = options.hold_out != "auto" or not held_out
+    known = set(table["uid"].to_pylist())
+    orphans = len({root for root in table["root"].to_pylist() if root not in known})
+    # and what was derived is drawn as its parents are elsewhere: another seed would part it from them
+    is_free = not orphans and (options.hold_out != "auto" or not held_out)
     filled = [part for part in wanted if counts[part].trajectories]
-    notes = [*_part_notes(table, options, counts, wanted, is_free), *_thin_strata(strata, filled)]
+    hint = DERIVED_WAY_OUT if orphans else SEED_WAY_OUT
+    notes = [*_part_notes(table, options, counts, wanted, is_free, hint), *_thin_strata(strata, filled)]
     notes += _excluded(table.filter(pc.invert(pc.is_in(table["uid"], value_set=pa.array(list(flagged), pa.string())))))
     for kind in ("sensor", "indenter"):
         unnamed = table[kind].to_pylist().count("")
         if unnamed:
             notes.append(f"trajectories that name no {kind}: {unnamed}; nobody knows whether it is a held-out one")
-    known = set(table["uid"].to_pylist())
-    orphans = len({root for root in table["root"].to_pylist() if root not in known})
     if orphans:
         notes.append(
             f"some trajectories derive from {counted(orphans, 'parent trajectory')} that this store does not hold; "
@@ -200,19 +206,24 @@ def _excluded(table: pa.Table) -> list[str]:
 
 
 def _part_notes(
-    table: pa.Table, options: SplitOptions, counts: Mapping[str, Count], wanted: list[str], is_free: bool
+    table: pa.Table,
+    options: SplitOptions,
+    counts: Mapping[str, Count],
+    wanted: list[str],
+    is_free: bool,
+    hint: str = SEED_WAY_OUT,
 ) -> list[str]:
     drawn = np.isin(np.asarray(table["partition"].to_pylist(), object), SHARES)
     has_frames = drawn & (table["frames"].to_numpy() > 0)
     notes = [
         f"{part} has {counted(counts[part].trajectories, 'trajectory')} and no frames"
-        + (_way_out(table, has_frames, " with frames", options, len(wanted), is_free) if has_frames.any() else "")
+        + (_way_out(table, has_frames, " with frames", options, len(wanted), is_free, hint) if has_frames.any() else "")
         for part in wanted
         if counts[part].trajectories and not counts[part].frames
     ]
     empty = [part for part in wanted if not counts[part].trajectories]
     if empty:
-        way_out = _way_out(table, drawn, "", options, len(wanted), is_free)
+        way_out = _way_out(table, drawn, "", options, len(wanted), is_free, hint)
         notes.append(f"{' and '.join(empty)} got no trajectory{way_out}")
     dealt = [counts[part].trajectories for part in SHARES]
     if not notes and any(dealt) and (astray := astray_note(dealt, group_sizes(table, drawn), options, is_free)):
@@ -221,7 +232,7 @@ def _part_notes(
 
 
 def _way_out(
-    table: pa.Table, taken: NDArray[np.bool_], what: str, options: SplitOptions, n_wanted: int, is_free: bool
+    table: pa.Table, taken: NDArray[np.bool_], what: str, options: SplitOptions, n_wanted: int, is_free: bool, hint: str
 ) -> str:
     """Why the rows that were taken leave a part without something, and what to do."""
     groups = group_sizes(table, taken)
@@ -229,7 +240,6 @@ def _way_out(
         few = f"{counted(len(groups), 'group')}{what} cannot fill {n_wanted} parts"
         return f": {few}; add data, or ask for fewer parts with --fractions"
     seeds = filling_seeds(groups, options) if is_free else []
-    hint = "try another seed (--seed N --replace), or add data"
     if seeds:
         others = f" (and so do {' and '.join(map(str, seeds[1:]))})" if seeds[1:] else ""
         hint = f"the same command with --seed {seeds[0]} --replace fills every part{others}"

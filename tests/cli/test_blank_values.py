@@ -49,7 +49,9 @@ def test_blank_is_refused_by_name(name, place, blank, tmp_path, monkeypatch, cap
     is_option = option(parameter).startswith("-")
     code, text = command(capsys, name, *([option(parameter)] if is_option else []), blank)
     assert code == 2, text
-    assert f"{option(parameter)} is empty; expected a " in " ".join(text.split())
+    is_word = parameter.nargs == -1 and not is_option
+    named = f"a word after `tactiledata {name}`" if is_word else option(parameter)
+    assert f"{named} is empty; expected a " in " ".join(text.split())
     assert list(tmp_path.iterdir()) == []
 
 

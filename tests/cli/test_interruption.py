@@ -95,3 +95,21 @@ def test_the_package_loads_no_other_module_before_an_interruption_is_quiet():
     )
     done = subprocess.run([sys.executable, "-I", "-S", "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout == "[]\n"
+
+
+@pytest.mark.parametrize("as_module", [True, False])
+def test_an_interruption_inside_a_text_that_runs_ends_with_the_code(as_module, tmp_path):
+    """Python would end by the signal, under -m, where Ctrl-C was caught inside `exec` of a text."""
+    (tmp_path / "interrupted.py").write_text(
+        "import sys\n"
+        "from tactiledata.__main__ import main\n"
+        "from tactiledata.cli import main as command\n"
+        "def stop():\n"
+        "    exec('raise KeyboardInterrupt')\n"
+        "command.app.command('stand-in')(stop)\n"
+        "sys.argv = ['tactiledata', 'stand-in']\n"
+        "main()\n"
+    )
+    program = ["-m", "interrupted"] if as_module else ["interrupted.py"]
+    done = subprocess.run([sys.executable, *program], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr.count("\n")) == (130, 1), done.stderr

@@ -128,7 +128,7 @@ def a_mesh_of_a_store_without_any(bench):
 
 @case(2, "--out without tsne")
 def a_place_for_no_picture(bench):
-    return ["score", bench.store, "--metric", "histogram_intersection", "--out", "scores"]
+    return ["score", bench.store, "--metric", "histogram_intersection", "--out", "pictures"]
 
 
 @case(2, "--weights without gram_style")
@@ -244,6 +244,8 @@ def test_the_same_options_where_they_mean_something(bench, capsys):
         ["view", bench.store, "--most", "1", "--no-open"],
         ["plant", bench.store, "--effect", "lag", "--size", "0.01", "--into", "planted.zarr"],
         ["record", "tiny", "--out", "r", "--workers", "1"],
+        # typed by hand, a default says nothing new
+        ["view", bench.store, "t00000", "--most", "20", "--port", "9090", "--no-open"],
     ):
         code, text = command(capsys, *words)
         assert code == 0, text

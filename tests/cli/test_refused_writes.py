@@ -62,11 +62,11 @@ def test_a_read_only_disk_is_not_a_matter_of_rights(tmp_path, monkeypatch, flag,
 
 
 def test_a_file_that_may_not_be_read_is_not_one_that_cannot_be_written(tmp_path, monkeypatch, capsys):
-    """Negative control: what may not be read is told as what the system refused."""
+    """Negative control: what may not be read is told in the words of what may not be written."""
     closed = tmp_path / "closed"
     closed.touch()
     monkeypatch.setattr("os.access", lambda place, mode: False)
     report_failure(PermissionError(errno.EACCES, "Permission denied", str(closed)), as_json=False)
     said = " ".join(capsys.readouterr().err.split())
-    assert "the system refused: Permission denied" in said
+    assert f"{closed} cannot be read: Permission denied; expected a place that you may read." in said
     assert "written" not in said

@@ -56,8 +56,10 @@ def test_a_block_that_ends_well_waits(pool):
 
 
 def test_a_worker_ends_with_status_one_when_the_pipe_ends(monkeypatch):
-    """It waits while the other end is held, ignores interrupts of the terminal, and never keeps a process alive."""
-    ended, handled = [], []
+    """It waits while the other end is held, ignores interrupts of the terminal, leaves its task, and then ends."""
+    ended, handled, left = [], [], []
+    monkeypatch.setattr(module, "GRACE_S", 0.0)
+    monkeypatch.setattr(module.signal, "pthread_kill", lambda *given: left.append(given))
     monkeypatch.setattr(module.os, "_exit", ended.append)
     monkeypatch.setattr(module.signal, "signal", lambda *given: handled.append(given))
     monkeypatch.setattr(module.signal, "pthread_sigmask", lambda *given: handled.append(given))
@@ -70,11 +72,31 @@ def test_a_worker_ends_with_status_one_when_the_pipe_ends(monkeypatch):
         thread.join(0.05)
         assert thread.is_alive()
         assert ended == []
+        leave = handled[0][1]
+        leave(signal.SIGINT, None)
         held.close()
         thread.join(10)
     assert ended == [1]
     # blocked until it is ignored
-    assert handled == [(signal.SIGINT, signal.SIG_IGN), (signal.SIG_UNBLOCK, {signal.SIGINT})]
+    assert handled == [(signal.SIGINT, leave), (signal.SIG_UNBLOCK, {signal.SIGINT})]
+    assert left == [(threading.get_ident(), signal.SIGINT)]
+    with pytest.raises(SystemExit, match="1"):
+        leave(signal.SIGINT, None)
+
+
+@pytest.mark.parametrize("fault", [BrokenPipeError, EOFError])
+def test_a_worker_that_can_tell_nobody_ends_without_a_word(monkeypatch, fault):
+    """Where the parent is gone, what it was to be told fails: no traceback. Other errors go on."""
+
+    def fails(worker):
+        raise fault
+
+    monkeypatch.setattr(module.SpawnProcess, "run", fails)
+    with pytest.raises(SystemExit, match="1"):
+        module.StartedWorker().run()
+    fault = ZeroDivisionError
+    with pytest.raises(ZeroDivisionError):
+        module.StartedWorker().run()
 
 
 def test_an_interrupt_waits_until_a_worker_has_started(monkeypatch):

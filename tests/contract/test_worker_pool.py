@@ -94,6 +94,35 @@ def own_process(_):
     return os.getpid()
 
 
+def begun_file(path):
+    """Begin a file, wait, and remove it however this ends."""
+    path.write_text("half")
+    try:
+        time.sleep(100)
+    finally:
+        path.unlink()
+
+
+def interrupted_meanwhile(paths):
+    """Begin each file in a worker, and be interrupted once all of them are there."""
+    with worker_pool(len(paths)) as pool:
+        for path in paths:
+            pool.submit(begun_file, path)
+        end = time.monotonic() + START_SECONDS
+        while not all(path.exists() for path in paths):
+            assert time.monotonic() < end
+            time.sleep(0.01)
+        raise KeyboardInterrupt
+
+
+@pytest.mark.slow
+def test_a_worker_removes_what_it_was_writing(tmp_path):
+    """Where the block ends by Ctrl-C, a task is left and not cut off: no half of a file stays behind."""
+    with pytest.raises(KeyboardInterrupt):
+        interrupted_meanwhile([tmp_path / f"{number}.part" for number in range(2)])
+    assert list(tmp_path.iterdir()) == []
+
+
 @pytest.mark.slow
 def test_a_block_without_an_error_finishes_what_was_submitted():
     """Tasks still run when the block ends are finished, and the workers are gone afterwards."""

@@ -12,7 +12,7 @@ from copied_trees import copy_tree
 from typer.testing import CliRunner
 
 from tactiledata.cli.main import app
-from tactiledata.errors import StoreBusy
+from tactiledata.errors import StoreBusy, StoreError
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.ingest.trajectories.assemble import IngestOptions
 from tactiledata.store.change.flag import flag_trajectories, remove_flags
@@ -90,7 +90,10 @@ def test_a_flag_of_what_was_replaced_is_said(tiny_folders, tmp_path):
     assert remove_flags(place, [went])
 
 
-@pytest.mark.parametrize("file", ["streams/digit/heap/c.0", "signals/wrench/value/c.0.0"])
+PICTURE = "reference/D20001/image/c.0.0.0"
+
+
+@pytest.mark.parametrize("file", ["streams/digit/heap/c.0", "signals/wrench/value/c.0.0", PICTURE])
 def test_what_was_damaged_in_the_store_comes_back(tiny_mcaps, tiny_store, tmp_path, file):
     """Images and numbers whose bytes changed on the disk are taken from the recordings again."""
     store = copy_tree(tiny_store, tmp_path / "ds.zarr")
@@ -101,6 +104,29 @@ def test_what_was_damaged_in_the_store_comes_back(tiny_mcaps, tiny_store, tmp_pa
     assert "replaced" in states(ingest(tiny_mcaps, store, replace=True))
     assert [one.code for one in check(store) if one.severity == "damage"] == []
     assert seen(store) == seen(tiny_store)
+
+
+def test_a_lost_picture_without_contact_comes_back(tiny_mcaps, tiny_store, tmp_path):
+    """It is told as lost, and comes with the recording that brought it; the other recording stays as it is."""
+    store = copy_tree(tiny_store, tmp_path / "ds.zarr")
+    (store / PICTURE).unlink()
+    (found,) = check(store)
+    assert found.message.endswith("is damaged: the file with its pixels is missing")
+    assert states(ingest(tiny_mcaps, store, replace=True)) == ["replaced", "present"]
+    assert check(store) == []
+    assert seen(store) == seen(tiny_store)
+    assert (Store.open(store).reference("D20001").image == Store.open(tiny_store).reference("D20001").image).all()
+
+
+def test_numbers_that_two_recordings_share_come_back_together(tiny_mcaps, tiny_store, tmp_path):
+    """A lost file with numbers of both is not mended by one of them, and the message says so; by both it is."""
+    store = copy_tree(tiny_store, tmp_path / "ds.zarr")
+    (store / "aligned/contact_wrench/value/c.0.0").unlink()
+    for one in tiny_mcaps:
+        with pytest.raises(StoreError, match="names in one command, with --replace"):
+            ingest([one], store, replace=True)
+    assert states(ingest(tiny_mcaps, store, replace=True)) == ["replaced", "replaced"]
+    assert check(store) == []
 
 
 def test_twins_become_one(tiny_folders, tmp_path):

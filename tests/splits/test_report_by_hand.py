@@ -114,6 +114,19 @@ def test_empty_parts_are_named_with_a_way_out(seeds, hint, monkeypatch):
     assert note.endswith("try another seed (--seed N --replace), or add data")
 
 
+def test_no_seed_is_advised_where_parents_lie_elsewhere(monkeypatch):
+    """Another seed would part derived trajectories from their parents; recorded ones are told one."""
+    monkeypatch.setattr("tactiledata.splits.report.filling_seeds", lambda sizes, options: [4])
+    table = dealt(*[("train", 1, "A", "x")] * 3)
+    notes = notes_on(table, NONE, {}, count_parts(table), ())
+    assert any("--seed 4" in note for note in notes)
+    place = table.schema.get_field_index("root")
+    parted = table.set_column(place, "root", pa.array([f"elsewhere {k}" for k in range(3)]))
+    notes = notes_on(parted, NONE, {}, count_parts(parted), ())
+    assert not any("--seed" in note for note in notes)
+    assert any(note.endswith("stand apart from the trajectories that they derive from") for note in notes)
+
+
 def test_fewer_groups_than_parts_cannot_fill_them():
     """Two groups for three parts: no seed helps; a part without frames is named apart."""
     table = dealt(("train", 1, "A", "x"), ("val", 0, "A", "x"))

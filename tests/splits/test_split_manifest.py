@@ -314,7 +314,8 @@ def test_what_stands_out_is_said_in_words(tmp_path):
     report = make_split(MemoryStore(tmp_path, table), hold_out="none")
     notes = "\n".join(report.notes)
     assert "got no trajectory" in notes
-    assert "fills every part" in notes
+    assert "they would stand apart from the trajectories that they derive from" in notes
+    assert "--seed" not in notes
     assert "trajectories that name no sensor: 1" in notes
     assert "1 parent trajectory that this store does not hold" in notes
 

@@ -9,12 +9,13 @@ import pytest
 from copied_trees import copy_tree
 from random_takes import SMALL, staged_take
 
-from tactiledata.errors import StoreError
+from tactiledata.errors import LostFile, StoreError, UsageError
 from tactiledata.store.change.flag import carry_flags, flag_trajectories, remove_flags
 from tactiledata.store.change.merge import merge
+from tactiledata.store.check.flags import flags_findings
 from tactiledata.store.layout import flag_file
 from tactiledata.store.layout.flag_file import write_flags
-from tactiledata.store.layout.places import FLAGS
+from tactiledata.store.layout.places import FLAGS, FLAGS_LOCK
 from tactiledata.store.read.flags import flagged_trajectories, stored_flags
 from tactiledata.store.read.reader import Store
 from tactiledata.store.write.commit import commit_groups, create, recover
@@ -135,6 +136,26 @@ def test_a_store_without_flags_gets_no_file(place):
     flag_trajectories(place, [name], "bad")
     remove_flags(place, [name])
     assert stored_flags(Store.open(place)) == {}
+
+
+def test_lost_flags_are_noticed(place):
+    """Where flags were written and their file is gone, reading, flagging and check say so; and not where none were."""
+    name = uids(place)[0]
+    with pytest.raises(UsageError):
+        remove_flags(place, [name])
+    assert not list(flags_findings(Store.open(place)))
+    flag_trajectories(place, [name], "bad")
+    remove_flags(place, [name])
+    assert not list(flags_findings(Store.open(place)))
+    (place / FLAGS).unlink()
+    (found,) = flags_findings(Store.open(place))
+    assert (found.code, found.severity) == ("store-flags", "damage")
+    assert "is gone, and flags were written there" in found.message
+    for read in (lambda: flagged_trajectories(Store.open(place)), lambda: flag_trajectories(place, [name], "bad")):
+        with pytest.raises(LostFile, match=r"Without one, remove \.flags\.lock"):
+            read()
+    (place / FLAGS_LOCK).unlink()
+    assert flag_trajectories(place, [name], "bad")
 
 
 def small_store(folder, *seeds):

@@ -14,6 +14,7 @@ of a table begins with the words of `formula.explain`. Read the modules in this 
 - `next_trial_words`: what should be recorded next?
 - `naming_page`, `formula_page`: the pages of a store and of a table.
 - `notes`: which trajectories, frames and effects took no part, and why?
+- `earlier_files`: which files of an earlier diagnosis are removed from the folder?
 - `documents`: the documents of both, and the files that are written.
 
 This room may import every other room of the diagnosis; no other room may import it. `store.py` and `table.py` do.

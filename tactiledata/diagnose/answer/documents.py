@@ -11,9 +11,11 @@ import numpy as np
 import yaml
 
 from tactiledata.contract.atomic import write_atomic, write_json_atomic
+from tactiledata.contract.own_files import marked_yaml
 from tactiledata.contract.provenance import provenance
 from tactiledata.contract.schema import check_document
 from tactiledata.diagnose.answer.diagnosis import StoreDiagnosis
+from tactiledata.diagnose.answer.earlier_files import EFFECTS, NEXT, remove_earlier
 from tactiledata.diagnose.answer.locator_rows import change_document, located_document
 from tactiledata.diagnose.answer.naming_page import naming_page, naming_sentences
 from tactiledata.diagnose.answer.next_trial_words import next_trial_sentences, next_trials_document
@@ -294,6 +296,8 @@ def effects_file(done: StoreDiagnosis, document: dict[str, Any]) -> dict[str, An
 def write_store_diagnosis(folder: Path, name: str, done: StoreDiagnosis, document: dict[str, Any]) -> list[Path]:
     """Write page, document, claimed effects and the scenarios of next trials into a folder, and return their paths.
 
+    What an earlier diagnosis wrote there, and this one does not, is removed first.
+
     Parameters
     ----------
     folder : Path
@@ -307,24 +311,22 @@ def write_store_diagnosis(folder: Path, name: str, done: StoreDiagnosis, documen
     """
     folder.mkdir(parents=True, exist_ok=True)
     written = [folder / "report.html", folder / "diagnosis.json"]
-    effects = effects_file(done, document)
-    if effects is not None:
-        written.append(folder / "effects.json")
-        write_json_atomic(written[-1], effects)
-    # a scenario for each trial
-    trials = []
-    for proposal in document["next_trials"]["proposals"]:
-        path = folder / "next" / f"{proposal['trial']}.yaml"
-        path.parent.mkdir(exist_ok=True)
-        write_atomic(path, yaml.safe_dump(proposal["scenario"], sort_keys=False).encode())
-        written.append(path)
-        trials.append((proposal["title"], f"next/{path.name}"))
+    effects, proposals = effects_file(done, document), document["next_trials"]["proposals"]
+    trials = {folder / NEXT / f"{proposal['trial']}.yaml": proposal for proposal in proposals}
+    claimed = [] if effects is None else [folder / EFFECTS]
+    remove_earlier(folder, [*claimed, *trials])
+    for path in claimed:
+        write_json_atomic(path, effects)
+    for path, proposal in trials.items():
+        write_atomic(path, marked_yaml(yaml.safe_dump(proposal["scenario"], sort_keys=False), "diagnose"))
+    written += [*claimed, *trials]
+    rows = [(proposal["title"], f"{NEXT}/{path.name}") for path, proposal in trials.items()]
     # page and document last: where they are, everything is
     footer = f"{document['source']['groups']} trajectories, {document['source']['rows']} frames"
     title = f"Diagnosis of {name}"
     shown = done.shown
     page = naming_page(
-        title, done.naming, shown.located, shown, trials, document["notes"], footer,
+        title, done.naming, shown.located, shown, rows, document["notes"], footer,
         further=_further(done), first=_sensor_sentences(done), simulated=done.simulated,
         other_steps=other_steps_section(done.naming, done.played.start, done.stated),
     )  # fmt: skip

@@ -13,6 +13,7 @@ from tactiledata.formats.mcap.images import stated_serials
 from tactiledata.formats.mcap.mapping_draft import Draft, draft_mapping
 from tactiledata.formats.mcap.roles import IMAGE_KINDS, ImageRole, Roles, Topic, roles_of
 from tactiledata.formats.mcap.unread_topics import Glimpse, on_one_line
+from tactiledata.formats.reading.described import camera_topics
 from tactiledata.formats.reading.natural_order import natural_key
 
 MOST_NAMED = 5
@@ -65,7 +66,11 @@ def joint_draft(grounds: Sequence[DraftGrounds], mapping: Mapping[str, Any] | No
         The mapping by which the recordings were looked at.
     """
     topics = _all_topics(grounds)
-    roles = grounds[0].roles if len(grounds) == 1 else roles_of(topics, mapping)
+    of_cameras = _listed(topics, mapping or {})
+    # of a camera's topics each recording has one, and the roles name the first of them
+    others = {topic for of_camera in of_cameras.values() for topic in of_camera[1:]}
+    firsts = [topic for topic in topics if topic.name not in others]
+    roles = grounds[0].roles if len(grounds) == 1 else roles_of(firsts, mapping)
     serials: dict[str, list[str]] = {}
     sensors: dict[str, Any] = {}
     for part in grounds:
@@ -75,10 +80,20 @@ def joint_draft(grounds: Sequence[DraftGrounds], mapping: Mapping[str, Any] | No
                 serials[topic].append(serial)
     described = LogDescription({"sensors": sensors}) if sensors else LogDescription()
     one_camera = () if "images" in (mapping or {}) else _one_camera(grounds)
-    draft = draft_mapping(topics, roles, _all_glimpses(grounds), serials, described, one_camera)
+    draft = draft_mapping(topics, roles, _all_glimpses(grounds), serials, described, one_camera, of_cameras)
     if len(grounds) == 1:
         return draft
     return dataclasses.replace(draft, text="".join(f"# {on_one_line(line)}\n" for line in _head(grounds)) + draft.text)
+
+
+def _listed(topics: Sequence[Topic], mapping: Mapping[str, Any]) -> dict[str, list[str]]:
+    """Topics of each camera of a mapping that lists several of those that the recordings have, by camera."""
+    names = sorted((topic.name for topic in topics), key=natural_key)
+    found: dict[str, list[str]] = {}
+    for camera, entry in mapping.get("images", {}).items():
+        wanted = {name.strip("/") for name in camera_topics(entry)}
+        found[camera] = [name for name in names if name.strip("/") in wanted]
+    return {camera: several for camera, several in found.items() if len(several) > 1}
 
 
 def _one_camera(grounds: Sequence[DraftGrounds]) -> list[str]:

@@ -74,6 +74,7 @@ def draft_mapping(
     serials: Mapping[str, Sequence[str]],
     description: LogDescription,
     one_camera: Sequence[str] = (),
+    of_cameras: Mapping[str, Sequence[str]] | None = None,
 ) -> Draft:
     """A mapping that reads what is read now, and lists every other topic with what it holds and how to read it.
 
@@ -89,6 +90,8 @@ def draft_mapping(
         What the recordings say of themselves.
     one_camera : sequence of str
         Topics of which each recording has one, and no other camera: they are one camera of the mapping.
+    of_cameras : dict, camera -> topics
+        Of cameras that a mapping gives several topics, of which each recording has one.
     """
     ordered = sorted(topics, key=lambda topic: natural_key(topic.name))
     known = [topic for topic in ordered if topic.is_readable]
@@ -96,7 +99,7 @@ def draft_mapping(
     for name in ("wrench", "tcp", "joints"):
         if name not in signals and (entry := _candidates(name, known, roles, glimpses)) is not None:
             signals[name] = entry
-    images, sensors = _images(known, roles, serials, description, glimpses, one_camera)
+    images, sensors = _images(known, roles, serials, description, glimpses, one_camera, of_cameras or {})
     document: dict[str, Any] = {"format": "tactiledata-mapping/1"}
     entries = {"signals": signals, "images": images}
     document |= {title: {name: e.content for name, e in listed.items()} for title, listed in entries.items() if listed}
@@ -210,6 +213,7 @@ def _images(
     description: LogDescription,
     glimpses: Mapping[str, Glimpse],
     one_camera: Sequence[str],
+    of_cameras: Mapping[str, Sequence[str]],
 ) -> tuple[dict[str, _Entry], dict[str, Any]]:
     """Cameras, and the sensors that the recording does not describe."""
     cameras: list[tuple[str, dict[str, Any], str]] = [
@@ -225,6 +229,10 @@ def _images(
             _source(topic.name, path) for topic in known for path in picture_fields(glimpses.get(topic.name, Glimpse()))
         ]
         cameras = [("digit" if n == 0 else f"digit_{n + 1}", source, NOT_SAID) for n, source in enumerate(sources)]
+    cameras = [
+        (camera, {**source, "topic": list(of_cameras[camera])} if camera in of_cameras else source, remark)
+        for camera, source, remark in cameras
+    ]
     if one_camera:
         camera, source, remark = cameras[0]
         cameras = [(camera, {**source, "topic": list(one_camera)}, remark)]
@@ -236,12 +244,14 @@ def _images(
         named = list(dict.fromkeys(serial for of_topic in stated for serial in of_topic))
         if len(named) > 1 or (named and not all(stated)):
             own = f"its sensor is left open, as each recording names its own: {', '.join(named)}"
-            entries[camera] = _Entry(source, " ".join(filter(None, (remark, own))))
+            entries[camera] = _Entry(source, "; ".join(filter(None, (remark, own))))
             sensors |= {serial: {"model": model} for serial in named if serial not in description.sensors}
             continue
         serial = "".join(named)
         if not serial and description.sensors:
-            remark = " ".join(filter(None, (remark, f"which sensor is it? sensor: {' or '.join(description.sensors)}")))
+            remark = "; ".join(
+                filter(None, (remark, f"which sensor is it? sensor: {' or '.join(description.sensors)}"))
+            )
             entries[camera] = _Entry(source, remark)
             continue
         if not serial:

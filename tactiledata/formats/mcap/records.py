@@ -329,12 +329,15 @@ def bytes_behind(path: Path, stream: BinaryIO, end: int, size: int) -> str:
     if not is_other:
         return f"{text}: {agreeing(count, 'it does', 'they do')} not begin as an MCAP file does"
     parts = (
-        f"{shlex.join(command)} > {shlex.quote(f'{path.stem}-{number}.mcap')}"
+        f"{shlex.join(command)} > {shlex.quote(str(path.with_name(f'{path.stem}-{number}.mcap')))}"
         for number, command in enumerate(
-            (["head", "-c", str(end), path.name], ["tail", "-c", f"+{end + 1}", path.name]), 1
+            (["head", "-c", str(end), str(path)], ["tail", "-c", f"+{end + 1}", str(path)]), 1
         )
     )
-    return f"{text}: they begin as another MCAP file does. Two files were joined; split them there: {'; '.join(parts)}"
+    away = shlex.join(["mv", str(path), f"{path}.joined"])
+    return (
+        f"{text}: they begin as another MCAP file does. Files were joined; split them there: {'; '.join(parts)}; {away}"
+    )
 
 
 @dataclass(frozen=True, slots=True)

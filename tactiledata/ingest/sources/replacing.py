@@ -14,6 +14,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 
 from tactiledata.contract.records import Finding
+from tactiledata.errors import StoreError, UnknownName
 from tactiledata.ingest.sources.reports import SourceReport, report_of
 from tactiledata.store.change.replace import replace_takes
 from tactiledata.store.check.payloads import payload_faults
@@ -63,13 +64,22 @@ class StoredRecordings:
             if source["sha256"] == staged.sha256:
                 return (
                     contents["content"] == staged.document["content"]
-                    and set(staged.document["references"]) <= set(store.manifest["references"])
+                    and self._holds_pictures(staged)
                     and not list(payload_faults(store, rows=rows))
                     and not list(
                         source_value_findings(store, source["key"], source["contents"], (first - len(rows), first))
                     )
                 )
         return False
+
+    def _holds_pictures(self, staged: StagedTake) -> bool:
+        """Whether each sensor that comes with a picture without contact has one here that can be read."""
+        try:
+            for sensor in staged.document["references"]:
+                self._store.reference(sensor)
+        except (UnknownName, StoreError):
+            return False
+        return True
 
     def _is_same_touch(self, row: int, staged: StagedTake) -> bool:
         stamps = {entry["arrays"]["log_ns"]["crc32c"] for entry in staged.document["signals"].values()}

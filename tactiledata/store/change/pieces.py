@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -68,7 +68,13 @@ def pieces_of(origin: Origin) -> Iterator[Piece]:
         frame, trajectory = frame + facts["frames"], trajectory + facts["trajectories"]
 
 
-def take_of(piece: Piece, frames: pa.Table, findings: pa.Table, sensors: Mapping[str, Mapping[str, Any]]) -> Take:
+def take_of(
+    piece: Piece,
+    frames: pa.Table,
+    findings: pa.Table,
+    sensors: Mapping[str, Mapping[str, Any]],
+    left_out: Collection[str] = (),
+) -> Take:
     """The source as a take, with these frames, findings and facts of sensors, and everything else as the store has it.
 
     A picture without contact is the one that the store keeps of that sensor; the source's own may have been another.
@@ -83,6 +89,8 @@ def take_of(piece: Piece, frames: pa.Table, findings: pa.Table, sensors: Mapping
         Its findings, by `FINDING_SCHEMA`.
     sensors : dict of dict
         Facts by sensor that the take states.
+    left_out : collection of str
+        Sensors whose picture without contact is not taken, and not read.
 
     Raises
     ------
@@ -105,7 +113,7 @@ def take_of(piece: Piece, frames: pa.Table, findings: pa.Table, sensors: Mapping
         references={
             sensor: store.reference(sensor)
             for sensor in contents["references"]
-            if sensor in store.manifest["references"]
+            if sensor in store.manifest["references"] and sensor not in left_out
         },
         sensors=sensors,
         frame_values={
@@ -122,7 +130,8 @@ def _need_own_values(piece: Piece) -> None:
             f"the store {piece.store.location} is damaged: {found[0].message}"
             + (f"; {len(found) - 1} more" if found[1:] else ""),
             "the numbers that were ingested",
-            "`tactiledata check` lists all damage; ingest that recording anew, with --replace.",
+            "Ingest all recordings that `tactiledata check` names in one command, with --replace: none of them can be "
+            "mended alone.",
             key=piece.facts["key"],
         )
 

@@ -6,7 +6,6 @@ import copy
 import json
 import shutil
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +14,7 @@ import pyarrow.compute as pc
 
 from tactiledata.contract.records import Finding
 from tactiledata.contract.take import Reference
+from tactiledata.errors import StoreError, UnknownName
 from tactiledata.store.change.keep_sensors import BY_HAND
 from tactiledata.store.change.pieces import Origin, Piece, parents, pieces_of, rows_of, take_of
 from tactiledata.store.layout.batch import Batch
@@ -49,14 +49,15 @@ def replace_takes(store_path: Path | str, replacements: Replacements) -> list[Fi
     with changing(store_path) as (folder, manifest):
         origin = Origin.of(Store.open(folder))
         before = origin.store.manifest
-        facts, pictures = _by_hand(origin)
+        renewed = _renewed_pictures(origin, replacements)
+        facts, pictures = _by_hand(origin, renewed)
         unfounded = _unfounded_pictures(origin, replacements) - set(pictures)
         manifest.clear()
         manifest.update(_emptied(before))
         with Batch(folder) as batch:
             appender = Appender(batch, manifest, {table: 1 + last_part(before, table) for table in TABLES})
             appender.sensors.keep_pictures(pictures)
-            for take in _takes(folder, origin, replacements, unfounded):
+            for take in _takes(folder, origin, replacements, unfounded | renewed):
                 takes.append(take)
                 appender.add(take)
             appender.sensors.fill_facts(facts)
@@ -83,14 +84,36 @@ def _emptied(before: Manifest) -> Manifest:
     }
 
 
-def _by_hand(origin: Origin) -> tuple[Facts, dict[str, Reference]]:
-    """Facts of the sensors that no recording names, and the pictures that no recording brought."""
+def _renewed_pictures(origin: Origin, replacements: Replacements) -> set[str]:
+    """Sensors whose picture without contact is damaged in the store, and comes with what is put in a place."""
+    damaged = {sensor for sensor in _brought(replacements) if _is_damaged(origin.store, sensor)}
+    return damaged & set(origin.store.manifest["references"])
+
+
+def _is_damaged(store: Store, sensor: str) -> bool:
+    try:
+        store.reference(sensor)
+    except UnknownName:
+        return False
+    except StoreError:
+        return True
+    return False
+
+
+def _brought(replacements: Replacements) -> set[str]:
+    """Sensors whose picture without contact comes with what is put in a place."""
+    return {sensor for take in replacements.values() if take is not None for sensor in take.document["references"]}
+
+
+def _by_hand(origin: Origin, renewed: Collection[str]) -> tuple[Facts, dict[str, Reference]]:
+    """Facts of the sensors that no recording names, and the pictures that no recording brought or brings anew."""
     contents = [piece.contents for piece in pieces_of(origin)]
     named = {sensor for one in contents for sensor in one["sensors"]}
     brought = {sensor for one in contents for sensor in one["references"]}
+    kept = sorted(set(origin.store.manifest["references"]).difference(renewed))
     pictures = {
         sensor: reference
-        for sensor, reference in origin.store.references().items()
+        for sensor, reference in ((name, origin.store.reference(name)) for name in kept)
         if sensor not in brought or reference.origin.startswith(BY_HAND)
     }
     facts = {sensor: dict(values) for sensor, values in origin.sensors.items() if sensor not in named}
@@ -103,13 +126,10 @@ def _unfounded_pictures(origin: Origin, replacements: Replacements) -> set[str]:
     for piece in pieces_of(origin):
         for sensor in piece.contents["references"]:
             first.setdefault(sensor, piece.facts["sha256"])
-    kept = {sensor for take in replacements.values() if take is not None for sensor in take.document["references"]}
-    return {sensor for sensor, sha256 in first.items() if sha256 in replacements} - kept
+    return {sensor for sensor, sha256 in first.items() if sha256 in replacements} - _brought(replacements)
 
 
-def _takes(
-    folder: Path, origin: Origin, replacements: Replacements, unfounded: Collection[str]
-) -> Iterator[StagedTake]:
+def _takes(folder: Path, origin: Origin, replacements: Replacements, left_out: Collection[str]) -> Iterator[StagedTake]:
     """The sources of the store that will be, in order: those that stay are staged without their images."""
     starts = _starts(origin, replacements)
     touched = _touched_sensors(origin, replacements)
@@ -120,9 +140,8 @@ def _takes(
                 yield replacement
             continue
         findings = _lasting(rows_of(origin.findings, piece.row), touched)
-        take = take_of(piece, _frames(piece, starts), findings, _stated_facts(piece))
-        pictures = {sensor: image for sensor, image in take.references.items() if sensor not in unfounded}
-        yield stage_placed(folder, replace(take, references=pictures), piece.contents["content"])
+        take = take_of(piece, _frames(piece, starts), findings, _stated_facts(piece), left_out)
+        yield stage_placed(folder, take, piece.contents["content"])
 
 
 def _starts(origin: Origin, replacements: Replacements) -> dict[str, int]:

@@ -57,7 +57,9 @@ def remedied_value_findings(store: Store, said: Callable[[str], None]) -> list[F
     remedy = ingest_again(store.location, list(dict.fromkeys(key for key, _ in found)))
     # of a pointer another finding says what fetches the file
     return [
-        finding if POINTER_WORDS in finding.message else replace(finding, message=f"{finding.message}; {remedy}")
+        finding
+        if POINTER_WORDS in finding.message
+        else replace(finding, message=f"{finding.message.rstrip('.')}; {remedy}")
         for _, finding in found
     ]
 

@@ -15,11 +15,14 @@ from tactiledata.contract.atomic import write_atomic
 from tactiledata.contract.schema import check_document
 from tactiledata.contract.sealed import fits_seal, sealed_json
 from tactiledata.errors import SchemaError
-from tactiledata.store.layout.places import FLAGS
+from tactiledata.store.layout.places import FLAGS, FLAGS_LOCK
 
 FORMAT = "tactiledata-flags/1"
 TRIES = 10
 """Writings that are tried: a commit that begins meanwhile sweeps away files that are being written."""
+
+WRITTEN = b"flags.json was written\n"
+"""What the lock's file holds once there are flags: from then on their file stays, and shows when it is lost."""
 
 FlagEntries = dict[str, dict[str, Any]]
 """What ``schemas/flags.json`` says of each flag, by the uid of its trajectory."""
@@ -47,7 +50,7 @@ def parse_flags(content: bytes, where: str) -> FlagEntries:
         raise SchemaError(
             f"{where} is not the file that was written",
             f"the flags of trajectories, as {FORMAT}, with the SHA-256 of the file",
-            "Take it from a copy of the store. Without one, remove the file and flag the trajectories again.",
+            f"Take it from a copy of the store. Without one, remove it and {FLAGS_LOCK}, and flag trajectories again.",
             path="$",
             file=where,
         )
@@ -68,4 +71,7 @@ def write_flags(folder: Path, entries: Mapping[str, Mapping[str, Any]]) -> None:
             if attempt + 1 == TRIES or not folder.is_dir():
                 raise
         else:
-            return
+            break
+    lock = folder / FLAGS_LOCK
+    if not lock.is_file() or lock.read_bytes() != WRITTEN:
+        lock.write_bytes(WRITTEN)

@@ -6,9 +6,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from tactiledata.errors import MissingFile
-from tactiledata.store.layout.flag_file import FlagEntries, parse_flags
-from tactiledata.store.layout.places import FLAGS
+from tactiledata.errors import LostFile, MissingFile
+from tactiledata.store.layout.flag_file import WRITTEN, FlagEntries, parse_flags
+from tactiledata.store.layout.places import FLAGS, FLAGS_LOCK
 from tactiledata.store.read.recording_names import recording_names
 
 if TYPE_CHECKING:
@@ -54,12 +54,28 @@ def stored_flags(store: Store) -> FlagEntries:
     ------
     SchemaError
         The file of flags is not the one that was written.
+    LostFile
+        There were flags, and their file is gone: nobody would know which trajectories are bad.
     """
     try:
         content = store.read_file(FLAGS)
     except MissingFile:
-        return {}
+        if not _were_flags(store):
+            return {}
+        raise LostFile(
+            f"{store.location}/{FLAGS} is gone, and flags were written there",
+            "the flags of bad trajectories",
+            f"Take it from a copy of the store. Without one, remove {FLAGS_LOCK} there and flag trajectories again.",
+        ) from None
     return parse_flags(content, f"{store.location}/{FLAGS}")
+
+
+def _were_flags(store: Store) -> bool:
+    """Whether a store ever had a file of flags."""
+    try:
+        return store.read_file(FLAGS_LOCK) == WRITTEN
+    except MissingFile:
+        return False
 
 
 def flagged_trajectories(store: Store) -> dict[str, Flag]:

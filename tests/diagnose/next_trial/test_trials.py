@@ -56,6 +56,12 @@ def test_forces_and_places_stay_within_the_limits(make, material):
         assert (np.abs(case.touch.tips[pressed, :2]) <= half).all()
 
 
+@EACH
+def test_a_trial_has_the_name_of_what_makes_it(make):
+    """Names of files are known before any trial is made."""
+    assert make(BENCH).name == make.__name__
+
+
 def test_the_same_bench_gives_the_same_trials():
     """The trials of a bench are the same every time, as nothing is drawn."""
     again = TrialBench.of(recorded(), START)

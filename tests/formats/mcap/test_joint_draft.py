@@ -91,6 +91,26 @@ def test_a_camera_of_several_topics_is_one(tmp_path, capsys, form):
     assert set(frames["sensor"].to_pylist()) == {"D20001", "D20002"}
 
 
+def test_a_draft_with_a_camera_of_several_topics_serves_again(tmp_path, capsys):
+    """The folder that a draft was made from is inspected by it, and drafted by it once more, with the same topics."""
+    for number, topic in enumerate(("/lab/left", "/lab/right")):
+        recorded(tmp_path / f"run{number}.mcap", "/lab/force", cameras=(topic,))
+    text = run_command(capsys, "inspect", tmp_path, "--suggest-mapping")[1]
+    assert "where it is no tactile sensor" in text
+    place = tmp_path / "mapping.yaml"
+    place.write_text(text, encoding="utf-8")
+    code, out, _ = run_command(capsys, "inspect", tmp_path, "--mapping", place, "--json")
+    assert code == 0, out
+    drafted = json.loads(out)["suggested_mapping"]["images"]
+    assert [entry["topic"] for entry in drafted.values()] == [["/lab/left", "/lab/right"]]
+    # negative control: a recording that has both is still refused
+    recorded(tmp_path / "run2.mcap", "/lab/force", cameras=("/lab/left", "/lab/right"))
+    code, out, _ = run_command(capsys, "inspect", tmp_path, "--mapping", place, "--json")
+    assert code == 1
+    (failed,) = json.loads(out)["failed"]
+    assert "one recording has all of them" in failed["error"]
+
+
 def test_two_cameras_of_a_recording_stay_two(tmp_path, capsys):
     """One recording with both topics has two cameras, whatever the other recordings have."""
     both = ("/digit/D20001/image", "/digit/D20002/image")

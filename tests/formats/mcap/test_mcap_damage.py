@@ -324,7 +324,8 @@ def test_two_recordings_in_a_row_are_not_taken_for_one(recordings, tmp_path, has
     assert f"{len(other)} bytes follow the end of the recording at byte {len(first)} " in message
     [source] = FORMAT.sources(path)
     assert message in [finding.message for finding in FORMAT.inspect(source).findings]
-    subprocess.run(message.partition("split them there: ")[2], shell=True, cwd=tmp_path, check=True)
+    subprocess.run(message.partition("split them there: ")[2], shell=True, cwd="/", check=True)
+    assert not path.exists()
     assert (tmp_path / "joined-1.mcap").read_bytes() == first
     assert (tmp_path / "joined-2.mcap").read_bytes() == other
 
