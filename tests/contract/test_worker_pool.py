@@ -96,8 +96,8 @@ def own_process(_):
 
 def begun_file(path):
     """Begin a file, wait, and remove it however this ends."""
-    path.write_text("half")
     try:
+        path.write_text("half")
         time.sleep(100)
     finally:
         path.unlink()
