@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import shlex
 from pathlib import Path
 from typing import Any
 
@@ -138,6 +139,10 @@ def diagnose(
             say(f"note: {note}")
         if written:
             say(f"written: {', '.join(str(path) for path in written)}")
+        for path in written:
+            if path.name == "effects.json" and not is_table:
+                command = shlex.join(["tactiledata", "replay", working_store(source), "--effects", str(path)])
+                say(f"next, every touch played with what was found: {command}")
     if gate and is_found:
         raise typer.Exit(1)
 

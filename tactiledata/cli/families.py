@@ -153,7 +153,12 @@ def inspect(
         findings([*(("" if is_one else key, finding) for key, finding in of_sources), *(("", item) for item in said)])
         say(NOT_CHECKED)
     told = [*said, *(finding for inspection in inspections for finding in inspection.findings)]
-    if failed or any(finding.severity == "damage" for finding in told):
+    damaged = any(finding.severity == "damage" for finding in told)
+    if suggest_mapping and damaged:
+        err().print(
+            "The draft is whole. A recording is damaged: inspect without --suggest-mapping says which, and how."
+        )
+    if failed or damaged:
         raise typer.Exit(1)
 
 

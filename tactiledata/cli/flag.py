@@ -12,7 +12,7 @@ from tactiledata.cli.explain import damage_explains
 from tactiledata.cli.output import JSON_OPTION, emit, say, table
 from tactiledata.cli.working_store import store_and_names
 from tactiledata.contract.wording import counted, listed
-from tactiledata.errors import UsageError
+from tactiledata.errors import UnknownName, UsageError
 
 if TYPE_CHECKING:
     from tactiledata.store.read.reader import Store
@@ -100,7 +100,9 @@ def _change(location: str, names: list[str], reason: str | None, as_json: bool) 
         option = ["--remove"] if reason is None else ["--reason", reason]
         state, wish = ("stay flagged", "take these flags off") if reason is None else ("stay in splits", "flag these")
         say(f"the same touches are in other recordings, and {state} there: {listed(copies, MOST_COPIES)}")
-        say(f"to {wish}, too: {shlex.join(['tactiledata', 'flag', location, *copies, *option])}")
+        # of a recording that was left out as a copy, the other one is wanted
+        if reason is None or _are_touches(store, names):
+            say(f"to {wish}, too: {shlex.join(['tactiledata', 'flag', location, *copies, *option])}")
     if store.split_names():
         for line in next_steps(store):
             say(line)
@@ -115,6 +117,17 @@ def _copies(store: Store, names: Sequence[str]) -> list[int]:
     gone = set(stored_flags(store)) - set(store.trajectories(["uid"])["uid"].to_pylist())
     there = [name for name in names if name not in gone]
     return twin_rows(store, named_trajectories(store, there, whole_recordings=True))
+
+
+def _are_touches(store: Store, names: Sequence[str]) -> bool:
+    """Whether each name is that of a trajectory, and none that of a recording."""
+    from tactiledata.store.read.named_trajectories import named_trajectories
+
+    try:
+        named_trajectories(store, names)
+    except UnknownName:
+        return False
+    return True
 
 
 def _named_unlike(store: Store, rows: Sequence[int], is_flagged: bool) -> list[str]:

@@ -80,6 +80,8 @@ def test_a_flag_names_the_copies_and_a_recording_is_flagged_whole(three, tmp_pat
     ]
     code, out, _ = run_command(capsys, *shlex.split(sentence.partition("after: tactiledata ")[2]))
     assert code == 0, out
+    assert "stay in splits there: D20001.mcap/t00000" in out
+    assert "to flag these" not in out  # it would leave no copy
     assert [flag.name for flag in flagged_trajectories(Store.open(store)).values()] == [
         "D20001/t00000",
         "D20001/t00002",

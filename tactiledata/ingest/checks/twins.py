@@ -32,13 +32,30 @@ def twins_of_store(store: Store) -> dict[int, Finding]:
     Flagged trajectories are left out: somebody chose already which of two copies splits take.
     """
     names, flagged = recording_names(store), flagged_trajectories(store)
-    touches = [touch for touch in store.trajectories(["uid", *COLUMNS]).to_pylist() if touch["uid"] not in flagged]
+    columns = ["uid", "indenter", *COLUMNS]
+    touches = [touch for touch in store.trajectories(columns).to_pylist() if touch["uid"] not in flagged]
+    differs = _other_indenters(touches)
     found = {}
     for row, others in sorted(overlaps(touches).items()):
         reason = f"a copy of {names[min(others)]}"
         command = shlex.join(["tactiledata", "flag", store.location, names[row], "--reason", reason])
-        found[row] = twin_finding(names, others, f". Splits leave this one out after: {command}")
+        remedy = f"{differs.get(row, '')}. Splits leave this one out after: {command}"
+        found[row] = twin_finding(names, others, remedy)
     return found
+
+
+def _other_indenters(touches: Sequence[Mapping[str, Any]]) -> dict[int, str]:
+    """Say, for each recording, of how many touches a twin names another indenter, and one example."""
+    met: dict[int, dict[int, tuple[str, str]]] = {}
+    for one, other in _meetings(touches):
+        here, there = touches[one]["indenter"], touches[other]["indenter"]
+        if here and there and here != there:
+            met.setdefault(touches[one]["source"], {})[one] = here, there
+    return {
+        source: f"; of {counted(len(of_touches), 'trajectory')} the other names another indenter"
+        f" ({of_touches[min(of_touches)][0]} here, {of_touches[min(of_touches)][1]} there), and one of them is wrong"
+        for source, of_touches in met.items()
+    }
 
 
 def need_touches_once(store: Store, sensor: str | None = None) -> None:

@@ -17,7 +17,7 @@ class Tables:
         names = [f"s{row}" for row in range(n_sources)]
         self.manifest = {"sources": names}
         self._sources = pa.table({"sha256": names, "key": [f"log{row}" for row in range(n_sources)]})
-        self._touches = [{"uid": f"u{row}", **touch} for row, touch in enumerate(touches)]
+        self._touches = [{"uid": f"u{row}", "indenter": "ball4", **touch} for row, touch in enumerate(touches)]
         self.location = "ds.zarr"
         table = findings_table([finding for _, finding in findings])
         column = pa.array([source for source, _ in findings], pa.int32())

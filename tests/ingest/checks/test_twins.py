@@ -1,12 +1,13 @@
 """Copies whose files differ are found by what they hold: one sensor at one time; clocks that start at 0 say nothing."""
 
+import pandas as pd
 import pytest
 from copied_trees import copy_tree
 from typer.testing import CliRunner
 
 from tactiledata.cli.main import app
 from tactiledata.errors import TactileDataError
-from tactiledata.ingest.checks.twins import ABSOLUTE, need_touches_once, overlaps
+from tactiledata.ingest.checks.twins import ABSOLUTE, need_touches_once, overlaps, twins_of_store
 from tactiledata.ingest.pipeline import ingest
 from tactiledata.store.change.flag import flag_trajectories
 from tactiledata.store.read.reader import Store
@@ -71,6 +72,29 @@ def test_an_edited_copy_is_said_at_ingest(tiny_folders, tiny_mcaps, tmp_path):
     assert twin.count == 2
     assert said(ingest([*tiny_folders, copy], store)) == [1, 0, 1]
     assert said(ingest([tiny_folders[1], copy, tiny_folders[0]], tmp_path / "once.zarr")) == [0, 1, 1]
+
+
+@pytest.mark.slow
+def test_a_copy_that_names_other_indenters_is_told_so(tiny_folders, tmp_path):
+    """One of two labels of one touch is wrong, and a model would learn both; copies that agree get no such words."""
+    place, copy = tmp_path / "ds.zarr", tmp_path / "copy"
+    copy_tree(tiny_folders[0], copy)
+    text = (copy / "log.yaml").read_text()
+    (copy / "log.yaml").write_text(text + "\n# edited\n")
+    ingest([tiny_folders[0], copy], place)
+    alike = twins_of_store(Store.open(place))
+    assert [("another indenter" in finding.message) for finding in alike.values()] == [False, False]
+    table = pd.read_csv(copy / "trajectories.csv")
+    first = table["indenter"].iloc[0]
+    table.loc[0, "indenter"] = "cross" if first != "cross" else "ball4"
+    table.to_csv(copy / "trajectories.csv", index=False)
+    ingest([copy], place, replace=True)
+    unlike = twins_of_store(Store.open(place))
+    assert [("of 1 trajectory the other names another indenter" in one.message) for one in unlike.values()] == [
+        True,
+        True,
+    ]
+    assert f"({first} here, " in unlike[0].message
 
 
 @pytest.mark.slow
