@@ -50,6 +50,13 @@ STATE_MORE = """\
 #   robot: {tcp_from_gel: {xyz: [0, 0, 0.2]}, tcp_from_ft: {xyz: [0, 0, 0]}, tool: {mass: 0.5}}
 #   wrench: {sign: load_on_sensor, gravity: included}
 """
+STATE_ALL = """\
+# What the recordings may not say of themselves goes under `description:` (docs/formats-folder.md), for example:
+# description:
+#   sensors: {SERIAL: {model: digit}}  # of each camera; needed where there is a description
+#   robot: {tcp_from_gel: {xyz: [0, 0, 0.2]}, tcp_from_ft: {xyz: [0, 0, 0]}, tool: {mass: 0.5}}
+#   wrench: {sign: load_on_sensor, gravity: included}
+"""
 
 
 @dataclass(frozen=True)
@@ -128,8 +135,9 @@ def _draft_text(document: Mapping[str, Any], entries: Mapping[str, Mapping[str, 
             text += "\n" if paragraphs else ""
     if unread.text(""):
         text += f"# Nothing to be mapped:\n{unread.text('')}\n"
-    if "description" in document:
-        text += yaml.safe_dump({"description": document["description"]}, sort_keys=False, allow_unicode=True)
+    if "description" not in document:
+        return text + STATE_ALL
+    text += yaml.safe_dump({"description": document["description"]}, sort_keys=False, allow_unicode=True)
     return text + STATE_MORE
 
 

@@ -8,6 +8,8 @@ import yaml
 from command import run_command
 from generators.mcap_files import KINDS, START, STEP, Tape, picture, ros_message
 
+from tactiledata.contract.schema import check_document
+from tactiledata.formats.mcap.mapping_draft import STATE_ALL, STATE_MORE
 from tactiledata.formats.mcap.mcap import McapFormat
 from tactiledata.store.read.reader import Store
 
@@ -146,3 +148,13 @@ def test_a_topic_of_two_types_is_told(tmp_path, capsys):
 def test_a_draft_of_nothing_is_none():
     """Without recordings that were looked at there is no draft."""
     assert FORMAT.draft([]) == (None, "")
+
+
+@pytest.mark.parametrize("example", [STATE_ALL, STATE_MORE], ids=["no description yet", "beside sensors"])
+def test_the_example_at_the_end_of_a_draft_is_a_mapping_once_its_marks_are_removed(example):
+    """People remove the leading marks and ingest: what is then read has all that a description needs."""
+    bare = "\n".join(line.removeprefix("#").removeprefix(" ") for line in example.splitlines()[1:])
+    text = bare if bare.startswith("description:") else f"description:\n  sensors: {{D20001: {{model: digit}}}}\n{bare}"
+    document = {"format": "tactiledata-mapping/1", "images": {"digit": {"topic": "/digit"}}, **yaml.safe_load(text)}
+    check_document(document, "mapping", "mapping.yaml")
+    assert set(document["description"]) == {"sensors", "robot", "wrench"}
