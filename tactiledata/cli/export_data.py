@@ -78,7 +78,7 @@ def _say(report: ExportReport) -> None:
     if sentence := SimulatedCount(**document["simulated_recordings"]).sentence:
         say(sentence)
     rows = [(part, each["trajectories"], each["frames"], each["in_split"]) for part, each in document["parts"].items()]
-    table(f"{report.folder}", ("part", "trajectories", "frames", "in contact"), rows)
+    table(f"{report.folder}", ("part", "trajectories", "frames", "in the split"), rows)
     for sentence in document["remarks"]:
         say(f"note: {sentence}")
     for reason, count in document["left_out"].items():

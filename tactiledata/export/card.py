@@ -71,7 +71,7 @@ def _parts(document: Mapping[str, Any]) -> list[str]:
     ]
     if not rows:
         return []
-    return ["| part | trajectories | frames | frames in contact |", "|---|---|---|---|", *rows, ""]
+    return ["| part | trajectories | frames | frames that the split takes |", "|---|---|---|---|", *rows, ""]
 
 
 def _streams(document: Mapping[str, Any]) -> list[str]:

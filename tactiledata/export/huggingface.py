@@ -129,7 +129,7 @@ class HuggingFaceExporter(Exporter):
                 "from datasets import load_dataset",
                 "",
                 f'frames = load_dataset(str(Path.cwd()), split="{part}")',
-                'in_contact = frames.filter(lambda row: row["in_split"])  # what the split\'s contact filter takes',
-                f'print(frames[0]["{self.kept_as(episodes.camera, episodes)}"].size, len(in_contact))',
+                'taken = frames.filter(lambda row: row["in_split"])  # what the split\'s contact filter takes',
+                f'print(frames[0]["{self.kept_as(episodes.camera, episodes)}"].size, len(taken))',
             ]
         )

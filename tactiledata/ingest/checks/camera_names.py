@@ -71,7 +71,8 @@ def camera_findings(keys: Sequence[str], cameras: Sequence[Cameras]) -> dict[int
     Returns
     -------
     dict, place of a recording -> Finding
-        Of equally frequent names the one that is more frequent among all recordings counts as usual, else the first.
+        Of equally frequent names that of the sensor's model counts as usual, as a draft of a mapping takes it; then the
+        one that is more frequent among all recordings, else the first.
 
     Examples
     --------
@@ -88,7 +89,7 @@ def camera_findings(keys: Sequence[str], cameras: Sequence[Cameras]) -> dict[int
             for row, of_recording in enumerate(cameras)
         }
         counts = Counter(name for names in compared.values() for name in sorted(names))
-        usual = max(counts, key=lambda name: (counts[name], everywhere[name]))
+        usual = max(counts, key=lambda name: (counts[name], name == model, everywhere[name]))
         first = next(row for row, names in compared.items() if usual in names)
         for row, names in compared.items():
             if model in cameras[row] and usual not in names and row not in found:

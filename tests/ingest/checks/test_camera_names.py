@@ -19,6 +19,8 @@ def remarked(*recordings):
     [
         ([cameras(digit="digit"), cameras(digit="camera")], [1]),
         ([cameras(digit="camera"), cameras(digit="digit"), cameras(digit="digit")], [0]),
+        ([cameras(digit="camera", other="camera"), cameras(digit="digit")], [0]),
+        ([cameras(digit="camera"), cameras(digit="camera"), cameras(digit="digit")], [2]),
         ([cameras(digit="digit"), cameras(unknown="camera")], [1]),
         ([cameras(d="x"), cameras(d="digit"), cameras(g="digit")], [0]),
         ([cameras(digit="left right"), cameras(digit="right")], []),
@@ -29,7 +31,7 @@ def remarked(*recordings):
         ([cameras(digit="camera")], []),
         ([], []),
     ],
-    ids=["another name", "the rare one first", "a model that nobody states", "a tie", "one camera fewer",
+    ids=["another name", "the rare one first", "a tie that the model decides", "most against the model", "a model that nobody states", "a tie", "one camera fewer",
          "another model", "a camera beside", "the same name", "no camera", "one recording", "no recording"],
 )  # fmt: skip
 def test_a_camera_of_another_name_is_remarked(recordings, rows):
