@@ -75,11 +75,16 @@ def _in_short(calibration: Calibration) -> list[tuple[str, str]]:
         which, start, end = "held-out", norms.held_out_start, norms.held_out
     preview = f" It is a preview: {LINEAR_IS_LOW}." if options.fidelity == "linear" else ""
     high = " It serves for comparison: its forces are too high." if options.engine == "mujoco-flex" else ""
+    poses = ""
+    if options.loss == "vector":
+        poses = (
+            ", poses as recorded; a replay moves each touch by the contact offset of this fit, and differs by another"
+        )
     return [
         ("", f"{', '.join(values[:2])} and {values[2]}. In brackets are 95 % intervals."),
         ("info", "E is the stiffness of the gel (Young's modulus), nu its Poisson's ratio and mu its friction."),
         ("", f"On {which} trajectories simulated and measured forces differ by {end:.3f} N, and by {start:.3f} N before"
-             " the fit (mean difference of the norms)."),
+             " the fit (mean difference of the norms" + poses + ")."),
         ("", f"{counted(len(fit.fitted), 'trajectory')} fitted, {len(fit.held_out)} held out, "
              f"{counted(len(calibration.experiment.measured), 'frame')}; loss {options.loss}, engine {options.engine}, "
              f"fidelity {options.fidelity}.{preview}{high}"),

@@ -44,7 +44,9 @@ def materials_of_meshes(store: Store) -> tuple[StatedMaterial, ...]:
         StatedMaterial(
             f"mesh {name}",
             GelMaterial(**store.mesh(name).settings["material"]),
-            "given to the replay, from a calibration or by hand",
+            "given to the replay with effects that were found"
+            if store.mesh(name).settings.get("effects")
+            else "given to the replay, from a calibration or by hand",
         )
         for name in store.mesh_names
     )
@@ -89,8 +91,9 @@ def other_steps_section(naming: NamingResult, start: GelMaterial, stated: Sequen
     rows.append(_row("this diagnosis, plain", *_values(plain), "fitted with E free; makes up for missing physics"))
     text = (
         "E, nu and mu are fitted numbers. Each step fits them under other conditions, so that they may differ. A "
-        "calibration looks for E inside bounds, and mostly plays fewer trajectories. Where a simulation lacks physics, "
-        "these numbers make up for it; once an effect is named, it explains what they had made up for."
+        "calibration looks for E inside bounds, mostly plays fewer trajectories, and takes what the simulation errs by "
+        "for noise. Where a simulation lacks physics, these numbers make up for it, in each step in its own way: two "
+        "intervals of E may then exclude each other. Once an effect is named, it explains what they had made up for."
     )
     sentences = [("info", text), *(("", words) for words in _beside(stated, naming.intervals_before[:1]))]
     if claimed and decision.best is not None:

@@ -31,7 +31,8 @@ def remarked(*recordings):
         ([cameras(digit="camera")], []),
         ([], []),
     ],
-    ids=["another name", "the rare one first", "a tie that the model decides", "most against the model", "a model that nobody states", "a tie", "one camera fewer",
+    ids=["another name", "the rare one first", "a tie that the model decides", "most against the model",
+         "a model that nobody states", "a tie", "one camera fewer",
          "another model", "a camera beside", "the same name", "no camera", "one recording", "no recording"],
 )  # fmt: skip
 def test_a_camera_of_another_name_is_remarked(recordings, rows):
