@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
@@ -25,10 +26,10 @@ from tactiledata.splits.groups import codes
 from tactiledata.splits.manifest import Split, coverage_problem, partition_rows, read_split
 from tactiledata.splits.options import PARTITIONS, SHARES
 from tactiledata.splits.select import FRAME_COLUMNS, taken_frames
+from tactiledata.store.read.named_trajectories import full_names
 
 if TYPE_CHECKING:
     from tactiledata.store.read.reader import Store
-
 
 AUDIT_TRAJECTORY_COLUMNS = ("uid", "trajectory", "source", "sensor", "indenter", "start_ns", "end_ns", "parent")
 AUDIT_FRAME_COLUMNS = (*FRAME_COLUMNS, "parent_frame", "length", "crc32c")
@@ -124,7 +125,7 @@ def audit(store: Store, name: str = "default", images: bool = True, progress: Pr
     trajectories = store.trajectories(list(AUDIT_TRAJECTORY_COLUMNS))
     frames = store.frames(list(AUDIT_FRAME_COLUMNS))
     again = command(store.location, name, split.document["options"])
-    found = [*audit_tables(split, trajectories, frames, again), *flag_findings(store, split, again)]
+    found = [*audit_tables(split, trajectories, frames, again, full_names(store)), *flag_findings(store, split, again)]
     checked = {"trajectories": trajectories.num_rows, "frames": frames.num_rows}
     if images:
         part = leaks.partition_codes(partition_rows(split, trajectories["uid"]))
@@ -135,7 +136,11 @@ def audit(store: Store, name: str = "default", images: bool = True, progress: Pr
 
 
 def audit_tables(
-    split: Split, trajectories: pa.Table, frames: pa.Table, again: str = "tactiledata split"
+    split: Split,
+    trajectories: pa.Table,
+    frames: pa.Table,
+    again: str = "tactiledata split",
+    names: Sequence[str] = (),
 ) -> list[Finding]:
     """What leaks as the tables show it.
 
@@ -146,6 +151,8 @@ def audit_tables(
         The columns ``AUDIT_TRAJECTORY_COLUMNS`` and ``AUDIT_FRAME_COLUMNS``.
     again : str
         The command that brings the split up to date, for the message.
+    names : sequence of str
+        Full names of the trajectories, for the messages.
     """
     found: list[Finding] = []
     if problem := coverage_problem(split, trajectories["uid"]):
@@ -164,7 +171,7 @@ def audit_tables(
     found += moment_leaks.parted_moments(trajectories, part)
     found += moment_leaks.parted_recordings(trajectories, part)
     found += leaks.parted_frames(frames, taken, part)
-    found += leaks.identical_payloads(frames, taken, part)
+    found += leaks.identical_payloads(frames, taken, part, names)
     return [*found, *empty_parts(split, part, frames["trajectory"].to_numpy()[taken])]
 
 
@@ -212,8 +219,11 @@ def _audit_images(
     whole = rows[np.isfinite(prints[:, 0])]
     noise = _noise_by_sensor(store, whole, trajectory, codes(store.frames(["sensor"])["sensor"]))
     copies = _copies(store, rows[pairs.first[:MAX_PAIRS]], rows[pairs.second[:MAX_PAIRS]], noise)
-    name = {row: PARTITIONS[code] for row, code in zip(rows.tolist(), where.tolist(), strict=True)}
-    cases = (f"frame {a} ({name[a]}) and frame {b} ({name[b]})" for a, b in copies)
+    names, parts = full_names(store), dict(zip(rows.tolist(), where.tolist(), strict=True))
+    cases = (
+        " and ".join(f"{leaks.frame_in_words(row, trajectory[row], names)} ({PARTITIONS[parts[row]]})" for row in pair)
+        for pair in copies
+    )
     found = leaks.leak("near-duplicate-image", "copies of one image are in different parts", cases, len(copies))
     if len(pairs) > MAX_PAIRS:
         left = len(pairs) - MAX_PAIRS

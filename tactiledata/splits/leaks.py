@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Sequence
 
 import numpy as np
 import pyarrow as pa
@@ -248,7 +248,14 @@ def unlike_drawn(
     return found
 
 
-def identical_payloads(frames: pa.Table, taken: NDArray[np.bool_], part: NDArray[np.int64]) -> list[Finding]:
+def frame_in_words(row: int, trajectory: int, names: Sequence[str]) -> str:
+    """Name a frame by its number and, where ``names`` has those of the trajectories, by its trajectory."""
+    return f"frame {row} of {names[trajectory]}" if names else f"frame {row}"
+
+
+def identical_payloads(
+    frames: pa.Table, taken: NDArray[np.bool_], part: NDArray[np.int64], names: Sequence[str] = ()
+) -> list[Finding]:
     """Encoded images of equal length and CRC-32C in different partitions: the same bytes.
 
     Parameters
@@ -257,10 +264,12 @@ def identical_payloads(frames: pa.Table, taken: NDArray[np.bool_], part: NDArray
         Columns ``trajectory``, ``length``, ``crc32c``, ``height``, ``width``, n rows.
     taken : (n,) bool
     part : (n_trajectories,) int
+    names : sequence of str
+        Full names of the trajectories, for the messages; frames are told by their numbers where it is empty.
     """
-    length = frames["length"].to_numpy()
+    length, trajectory = frames["length"].to_numpy(), frames["trajectory"].to_numpy()
     rows = np.flatnonzero(taken & (length > 0))
-    where = part[frames["trajectory"].to_numpy()[rows]]
+    where = part[trajectory[rows]]
     rows, where = rows[where >= 0], where[where >= 0]
     # two checks in one word: 32 bits of CRC, 31 of length; equal words mean equal bytes for all practical purposes
     word = (length[rows].astype(np.uint64) << np.uint64(32)) | frames["crc32c"].to_numpy()[rows].astype(np.uint64)
@@ -275,6 +284,8 @@ def identical_payloads(frames: pa.Table, taken: NDArray[np.bool_], part: NDArray
     def cases() -> Iterable[str]:
         for number in parted:
             members = np.flatnonzero(group == number)[:4]
-            yield " and ".join(f"frame {rows[m]} ({PARTITIONS[where[m]]})" for m in members)
+            yield " and ".join(
+                f"{frame_in_words(rows[m], trajectory[rows[m]], names)} ({PARTITIONS[where[m]]})" for m in members
+            )
 
     return leak("identical-image", "images of the same bytes are in different parts", cases(), len(parted))

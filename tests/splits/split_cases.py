@@ -77,6 +77,11 @@ class MemoryStore:
     def trajectories(self, columns=None):
         return self.table.select(columns or self.table.column_names)
 
+    def sources(self, columns):
+        assert columns == ["key"]
+        count = max(self.table["source"].to_pylist(), default=-1) + 1
+        return pa.table({"key": [f"log{number}" for number in range(count)]})
+
     def frames(self, columns=None):
         return self.frame_table.select(columns or self.frame_table.column_names)
 

@@ -238,7 +238,10 @@ def test_images_of_the_same_bytes_are_found(store):
     assert audited(store) == {}
     length[3 * test[0]] = length[3 * train[0]]
     store.frame_table = replaced(store.frame_table, crc32c=crc, length=length)
-    assert audited(store)["identical-image"].count == 1
+    found = audited(store)["identical-image"]
+    assert found.count == 1
+    sources = [store.table["source"][row].as_py() for row in (train[0], test[0])]
+    assert all(f"of log{source}/t" in found.message for source in sources)
 
 
 def test_raw_frames_are_not_taken_for_equal(store):

@@ -165,8 +165,10 @@ def test_a_planted_copy_is_found_among_repeats(rig, kind):
     (found,) = audit(rig).leaks
     assert found.code == "near-duplicate-image"
     assert found.count == 1
-    assert f"frame {train} (train)" in found.message
-    assert f"frame {test} (test)" in found.message
+    for row, part in ((train, "train"), (test, "test")):
+        trajectory = rig.table.slice(rig.frame_table["trajectory"][row].as_py(), 1).to_pylist()[0]
+        name = f"log{trajectory['source']}/{trajectory['trajectory']}"
+        assert f"frame {row} of {name} ({part})" in found.message
 
 
 @pytest.mark.slow
