@@ -6,7 +6,7 @@ import shlex
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from tactiledata.errors import StoreError
+from tactiledata.errors import StoreError, UsageError
 from tactiledata.splits.make import TRAJECTORY_COLUMNS, split_tables
 from tactiledata.splits.options import SplitOptions
 from tactiledata.splits.report import SplitReport
@@ -45,7 +45,7 @@ def suggest_split(store: Store) -> Suggestion:
     for options, more in ((SplitOptions(), []), (SplitOptions.checked(force="none"), ["--force", "none"])):
         try:
             report, _ = split_tables("default", trajectories, frames, options, flags=flags)
-        except StoreError as error:
+        except (StoreError, UsageError) as error:
             reason = str(error)
             continue
         return Suggestion(shlex.join([*typed, *more]), report)

@@ -11,6 +11,7 @@ from command import run_command
 from copied_trees import copy_tree
 from generators.folder_log import write
 
+from tactiledata.ingest.pipeline import ingest
 from tactiledata.ingest.sources.overview import choose_touches, draw, page
 from tactiledata.splits.make import make_split
 from tactiledata.store.read.reader import Store
@@ -169,3 +170,14 @@ def test_info_says_what_follows_the_audit(tiny_store, tmp_path, capsys):
     command = re.search(r"where the audit found no leak: .*, or (tactiledata .*)", out)[1]
     code, printed, err = run_command(capsys, *shlex.split(command)[1:], "--out", tmp_path / "out")
     assert code == 0, printed + err
+
+
+def test_info_of_a_store_whose_trajectories_are_all_flagged_shows_it(tiny_mcaps, tmp_path, capsys):
+    """Nothing can be split then; a command that only shows says so, and is no failure."""
+    store = tmp_path / "ds.zarr"
+    ingest(tiny_mcaps, store)
+    names = [row["key"] for row in Store.open(store).sources(["key"]).to_pylist()]
+    assert run_command(capsys, "flag", store, *names, "--reason", "the gel was torn")[0] == 0
+    code, out, err = run_command(capsys, "info", store)
+    assert (code, err) == (0, "")
+    assert "no split can be drawn yet: all trajectories that could be learned from are flagged" in " ".join(out.split())
