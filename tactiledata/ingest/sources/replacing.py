@@ -7,7 +7,7 @@ import shutil
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 import numpy as np
 import pyarrow as pa
@@ -34,7 +34,8 @@ class StoredRecordings:
     A recording is the same where its files are the same; or where its name is the same (the name that ingest prints)
     and an image of the two is the same byte for byte, or the log stamps of a signal are. So an edited
     log.yaml, a calibration that was added or a file that was copied again stays the same recording, and two recordings
-    that happen to be called alike do not.
+    that happen to be called alike do not. Of a name with folders the last part is enough, where one recording alone
+    has it: ``monday/run1.mcap`` is ``run1.mcap`` where the file is given in place of its folder.
     """
 
     def __init__(self, store: Store) -> None:
@@ -48,12 +49,25 @@ class StoredRecordings:
 
     def matches(self, staged: StagedTake) -> list[str]:
         """Digests of the sources that are the same recording as a staged one."""
-        return [
+        key = staged.document["key"]
+        same = [
             source["sha256"]
             for row, source in enumerate(self._sources)
-            if source["sha256"] == staged.sha256
-            or (source["key"] == staged.document["key"] and self._is_same_touch(row, staged))
+            if source["sha256"] == staged.sha256 or (source["key"] == key and self._is_same_touch(row, staged))
         ]
+        return same or self._of_last_part(PurePosixPath(key).name, staged)
+
+    def _of_last_part(self, name: str, staged: StagedTake) -> list[str]:
+        """Digest of the only source whose name ends in this part, where it is the same recording; else nothing."""
+        called = [row for row, source in enumerate(self._sources) if PurePosixPath(source["key"]).name == name]
+        if len(called) != 1 or not self._is_same_touch(called[0], staged):
+            return []
+        return [self._sources[called[0]]["sha256"]]
+
+    def is_exact(self, staged: StagedTake) -> bool:
+        """Whether a source has the files, or the whole name, of a staged recording."""
+        key, sha256 = staged.document["key"], staged.sha256
+        return any(source["sha256"] == sha256 or source["key"] == key for source in self._sources)
 
     def holds(self, staged: StagedTake) -> bool:
         """Whether the store has this take already, as it is and undamaged."""
@@ -116,7 +130,7 @@ def plan(stored: StoredRecordings, takes: Sequence[StagedTake]) -> Plan:
     chosen = Plan({}, [], [])
     taken: set[str] = set()
     found = [(take, stored.matches(take)) for take in takes]
-    for take, matches in sorted(found, key=lambda one: one[0].sha256 not in one[1]):
+    for take, matches in sorted(found, key=lambda one: (one[0].sha256 not in one[1], not stored.is_exact(one[0]))):
         if take.sha256 in taken:
             chosen.held.append(take)
             continue

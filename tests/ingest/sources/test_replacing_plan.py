@@ -8,6 +8,7 @@ import pytest
 
 from tactiledata.contract.records import Finding
 from tactiledata.contract.take import findings_table
+from tactiledata.errors import UnknownName
 from tactiledata.ingest.sources import replacing
 from tactiledata.ingest.sources.replacing import Plan, StoredRecordings, plan, replace_recordings
 from tactiledata.ingest.sources.reports import IngestReport, SourceReport, report_of
@@ -63,6 +64,10 @@ class Tables:
     def frames(self, columns):
         return self.table.select(columns)
 
+    def reference(self, sensor):
+        if sensor not in self.manifest["references"]:
+            raise UnknownName("sensor", sensor, self.manifest["references"])
+
 
 def matches(staged, *sources, **options):
     return StoredRecordings(Tables(sources, **options)).matches(staged)
@@ -94,6 +99,28 @@ def test_the_same_name_and_an_image_in_common():
     assert matches(Staged("c", images=[(8, 6, 4)]), *stored, images=images) == []
     assert matches(Staged("c", images=[(8, 6, 3)], encoding="missing"), *stored, images=images) == []
     assert matches(Staged("c"), *stored, images=images) == []
+
+
+def test_the_last_part_of_a_name_is_enough_where_one_recording_alone_has_it():
+    """A file that is given in place of its folder is the recording that came with the folder, if it holds the same."""
+    monday, tuesday = ("a", "monday/run", 1, (5,)), ("b", "tuesday/run", 1, (5,))
+    assert matches(Staged("c", "run", stamps=[5]), monday) == ["a"]
+    assert matches(Staged("c", "wednesday/run", stamps=[5]), monday) == ["a"]
+    assert matches(Staged("c", "run", stamps=[6]), monday) == []
+    assert matches(Staged("c", "another", stamps=[5]), monday) == []
+    assert matches(Staged("c", "run", stamps=[5]), monday, tuesday) == []
+    # the whole name comes first: the other recording stays
+    assert matches(Staged("c", "tuesday/run", stamps=[5]), monday, tuesday) == ["b"]
+
+
+def test_a_whole_name_takes_its_recording_before_a_part_of_one_does():
+    """Two staged copies, of which one has the whole name, replace the recording by that one, whatever their order."""
+    stored = StoredRecordings(Tables([("a", "monday/run", 1, (5,))]))
+    whole, part = Staged("b", "monday/run", stamps=[5]), Staged("c", "run", stamps=[5])
+    for takes in ([whole, part], [part, whole]):
+        chosen = plan(stored, takes)
+        assert list(chosen.replacements.values()) == [whole]
+        assert chosen.new == [part]
 
 
 @pytest.fixture
@@ -150,6 +177,9 @@ class Known:
 
     def holds(self, staged):
         return staged.sha256 in self._held
+
+    def is_exact(self, staged):
+        return True
 
 
 def planned(takes, matches, held=()):
