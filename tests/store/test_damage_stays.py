@@ -72,6 +72,8 @@ DAMAGES = {
     "a byte of a signal": turned("signals/wrench/value"),
 }
 
+WITHOUT_PICTURE, WITH_PICTURE = 12, 11
+"""Seeds of a random take that brings no picture without contact, and of one that brings that of D1."""
 NEED_DIGESTS = ("origin of a picture", "attributes of a signal")
 """Damages that a store which was written before documents had digests cannot tell."""
 
@@ -124,8 +126,20 @@ def test_replace_refuses_damage_of_what_stays(folder: Path, damage: str) -> None
     before = (folder / "manifest.json").read_bytes()
     last = Store.open(folder).manifest["sources"][-1]
     with pytest.raises(TactileDataError, match=r"damaged|missing|does not hold"):
-        replace_takes(folder, {last: staged_take(folder, 11)[0]})
+        replace_takes(folder, {last: staged_take(folder, WITHOUT_PICTURE)[0]})
     assert (folder / "manifest.json").read_bytes() == before
+
+
+@pytest.mark.parametrize("damage", [name for name in DAMAGES if name.startswith("a picture")])
+def test_a_damaged_picture_is_mended_by_a_recording_that_brings_one(folder: Path, damage: str) -> None:
+    """A picture without contact that comes with what is put in a place stands for the damaged one of its sensor."""
+    DAMAGES[damage](folder)
+    store = Store.open(folder)
+    taken = staged_take(folder, WITH_PICTURE)[1]
+    assert "D1" in taken.references
+    replace_takes(folder, {store.manifest["sources"][-1]: staged_take(folder, WITH_PICTURE)[0]})
+    assert check(folder) == []
+    assert np.array_equal(Store.open(folder).reference("D1").image, taken.references["D1"].image)
 
 
 @pytest.mark.slow

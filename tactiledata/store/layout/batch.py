@@ -63,7 +63,7 @@ class Batch:
             shutil.copyfile(source, place)
 
     def _place(self, path: str) -> Path:
-        """Where the new content of a file waits, in a folder that is there."""
+        """Return where the new content of a file waits, in a folder that is there."""
         folder, _, name = path.rpartition("/")
         waiting = self._pending.get(path) or f"{folder}/.{name[:60]}.{secrets.token_hex(4)}.part".lstrip("/")
         self._pending[path] = waiting

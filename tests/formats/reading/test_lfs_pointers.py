@@ -87,7 +87,7 @@ def test_a_pointer_inside_a_log_is_said(tmp_path, file):
 def test_inspect_names_pointers(tmp_path, capsys):
     """What `inspect` says of a file that was not fetched is not that no format claims it."""
     write(tmp_path / "logs" / "a")
-    inspect(pointer(tmp_path / "logs" / "b.mcap").parent, False, None, None, False)
+    inspect([pointer(tmp_path / "logs" / "b.mcap").parent], False, None, None, False)
     said = " ".join(capsys.readouterr().out.split())
     assert "b.mcap is a Git LFS pointer" in said
     assert "no format claims" not in said
