@@ -249,7 +249,17 @@ def unlike_drawn(
 
 
 def frame_in_words(row: int, trajectory: int, names: Sequence[str]) -> str:
-    """Name a frame by its number and, where ``names`` has those of the trajectories, by its trajectory."""
+    """Name a frame by its number, and by its trajectory where names are known.
+
+    Parameters
+    ----------
+    row : int
+        Number of the frame.
+    trajectory : int
+        Number of its trajectory.
+    names : sequence of str
+        Full names of the trajectories of the store; may be empty.
+    """
     return f"frame {row} of {names[trajectory]}" if names else f"frame {row}"
 
 
