@@ -74,7 +74,7 @@ def test_the_page_shows_lines_that_run(tiny_store, tmp_path):
 
     store = Store.open(tiny_store)
     out, document = export(store, "huggingface", tmp_path / "out")
-    code = snippet_of(out) + "result = [len(frames), len(in_contact), frames[0]['digit'].size]"
+    code = snippet_of(out) + "result = [len(frames), len(taken), frames[0]['digit'].size]"
     counts = document["parts"]["train"]
     assert run_program(code, out, tmp_path / "hf") == [counts["frames"], counts["in_split"], [240, 320]]
     field = pq.read_schema(next((out / "data").iterdir())).field("contact_wrench")
