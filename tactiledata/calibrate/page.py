@@ -84,7 +84,7 @@ def _in_short(calibration: Calibration) -> list[tuple[str, str]]:
         ("", f"{', '.join(values[:2])} and {values[2]}. In brackets are 95 % intervals."),
         ("info", "E is the stiffness of the gel (Young's modulus), nu its Poisson's ratio and mu its friction."),
         ("", f"On {which} trajectories simulated and measured forces differ by {end:.3f} N, and by {start:.3f} N before"
-             " the fit (mean difference of the norms" + poses + ")."),
+             f" the fit (mean difference of the norms{poses})."),
         ("", f"{counted(len(fit.fitted), 'trajectory')} fitted, {len(fit.held_out)} held out, "
              f"{counted(len(calibration.experiment.measured), 'frame')}; loss {options.loss}, engine {options.engine}, "
              f"fidelity {options.fidelity}.{preview}{high}"),

@@ -109,7 +109,6 @@ def diagnose(
     else:
         need_packages("a diagnosis of a store", *GEL)
         from tactiledata.diagnose.options import DiagnosisOptions
-        from tactiledata.store.read.reader import Store
 
         options = DiagnosisOptions(
             trajectories=trajectories,
@@ -126,9 +125,7 @@ def diagnose(
             indenter_folder=need_folder(indenters, "--indenters", INDENTERS),
         )
         location = working_store(source)
-        if out is not None:
-            refuse_result_of_another_store(out / "diagnosis.json", Store.open(location), replace)
-        document, written, is_found = _store(location, out, options, calibrated, as_json)
+        document, written, is_found = _store(location, out, options, calibrated, as_json, replace)
     # print
     if as_json:
         emit(document)
@@ -141,7 +138,7 @@ def diagnose(
             say(f"written: {', '.join(str(path) for path in written)}")
         for path in written:
             if path.name == "effects.json" and not is_table:
-                command = shlex.join(["tactiledata", "replay", working_store(source), "--effects", str(path)])
+                command = shlex.join(["tactiledata", "replay", location, "--effects", str(path)])
                 say(f"next, every touch played with what was found: {command}")
     if gate and is_found:
         raise typer.Exit(1)
@@ -176,7 +173,7 @@ def _table(
 
 
 def _store(
-    location: str, out: Path | None, options: Any, calibrated: tuple[Any, str] | None, quiet: bool
+    location: str, out: Path | None, options: Any, calibrated: tuple[Any, str] | None, quiet: bool, replace: bool
 ) -> tuple[dict[str, Any], list[Path], bool]:
     """Diagnose a store; return the document, the files written, and whether physics is missing."""
     from tactiledata.cli.explain import damage_explains
@@ -188,6 +185,8 @@ def _store(
 
     with damage_explains(location), progress("diagnosing", quiet=quiet) as report_progress:
         store = Store.open(location)
+        if out is not None:
+            refuse_result_of_another_store(out / "diagnosis.json", store, replace)
         need_touches_once(store, options.sensor)
         # one bar for both: the simulations, whose number becomes known, and about STEPS steps after them
         steps: list[str] = []
@@ -216,7 +215,7 @@ def _store(
         diagnosis = diagnose_store(store, options, report_play, report_step, tell, tell_preview)
         report_progress(plays[0] + STEPS, plays[0] + STEPS, "done")
     if calibrated is not None:
-        stated = material_of_calibration(*calibrated, made_of_another_store(calibrated[0], Store.open(location)))
+        stated = material_of_calibration(*calibrated, made_of_another_store(calibrated[0], store))
         diagnosis = dataclasses.replace(diagnosis, stated=(*diagnosis.stated, stated))
     document = store_document(diagnosis)
     written = [] if out is None else write_store_diagnosis(out, Path(location).name, diagnosis, document)

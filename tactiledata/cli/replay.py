@@ -132,8 +132,11 @@ def replay(
     # replay
     location = working_store(store)
     elsewhere: list[str] = []
+    flagged: set[str] = set()
     if Path(location).is_dir():
-        opened = Store.open(location)
+        with damage_explains(location):
+            opened = Store.open(location)
+            flagged = set(flagged_trajectories(opened))
         refuse_result_of_another_store(out / f"replay-{options.mesh_name}.html", opened, replace)
         files = ((calibration, calibrated), (effects, diagnosed))
         made = ((path, made_of_another_store(document, opened)) for path, document in files)
@@ -142,7 +145,6 @@ def replay(
         for words in elsewhere:
             err().print(plain(f"note: {words}"))
     with damage_explains(location), progress("replaying", quiet=as_json) as report_progress:
-        flagged = set(flagged_trajectories(Store.open(location))) if Path(location).is_dir() else set()
         report = attach(location, options, workers_of(workers, scheduler), scheduler, report_progress, replace)
     page = write_replay_page(Store.open(location), report.mesh, out) if report.with_mesh else None
     played = sorted(flagged.difference(*report.refused.values())) if report.with_mesh else []

@@ -173,7 +173,7 @@ def test_info_says_what_follows_the_audit(tiny_store, tmp_path, capsys):
 
 
 def test_info_of_a_store_whose_trajectories_are_all_flagged_shows_it(tiny_mcaps, tmp_path, capsys):
-    """Nothing can be split then; a command that only shows says so, and is no failure."""
+    """`info` says that nothing can be split where all trajectories are flagged, and exits with 0."""
     store = tmp_path / "ds.zarr"
     ingest(tiny_mcaps, store)
     names = [row["key"] for row in Store.open(store).sources(["key"]).to_pylist()]

@@ -68,7 +68,7 @@ def test_a_result_of_another_store_is_not_replaced(words, file, results, tiny_st
 
 
 def test_results_of_the_same_store_are_replaced(opened, tmp_path):
-    """Of the same state, of an earlier state, without a word on its store, or unreadable: none is refused."""
+    """A result of the same store is replaced, also of an earlier state of it; so is one that names no store."""
     uids = opened.trajectories(["uid"])["uid"].to_pylist()
     path = tmp_path / "calibration.json"
     for content in (

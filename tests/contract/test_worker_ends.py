@@ -86,7 +86,7 @@ def test_a_worker_ends_with_status_one_when_the_pipe_ends(monkeypatch):
 
 @pytest.mark.parametrize("fault", [BrokenPipeError, EOFError])
 def test_a_worker_that_can_tell_nobody_ends_without_a_word(monkeypatch, fault):
-    """Where the parent is gone, what it was to be told fails: no traceback. Other errors go on."""
+    """A worker whose parent is gone ends without a traceback; errors of its task are raised as before."""
 
     def fails(worker):
         raise fault

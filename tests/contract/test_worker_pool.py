@@ -117,7 +117,7 @@ def interrupted_meanwhile(paths):
 
 @pytest.mark.slow
 def test_a_worker_removes_what_it_was_writing(tmp_path):
-    """Where the block ends by Ctrl-C, a task is left and not cut off: no half of a file stays behind."""
+    """A worker removes the file that it was writing when Ctrl-C ends its parent."""
     with pytest.raises(KeyboardInterrupt):
         interrupted_meanwhile([tmp_path / f"{number}.part" for number in range(2)])
     assert list(tmp_path.iterdir()) == []

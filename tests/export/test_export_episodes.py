@@ -64,7 +64,7 @@ def test_groups_keep_parts_apart(parted):
 
 
 def test_trajectories_of_the_split_that_are_not_there_are_counted(tiny_store, tmp_path):
-    """Where the split takes no frame of a trajectory, its parts count more than the export holds, and that is said."""
+    """An export says how many trajectories of the split it does not hold, as the split takes no frame of them."""
     place = copy_tree(tiny_store, tmp_path / "ds.zarr")
     store = Store.open(place)
     peaks = sorted(store.trajectories(["peak_force"])["peak_force"].to_pylist())

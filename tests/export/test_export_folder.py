@@ -181,7 +181,7 @@ def test_nothing_else_is_overwritten(what, parted, tmp_path):
     ids=["a split drawn again", "no split", "streams", "size of files", "format"],
 )
 def test_what_differs_from_the_export_there_is_said(change, words, parted, tmp_path):
-    """Where another export lies at the place, the refusal names what is unlike, and the same export is no change."""
+    """An export that finds another one in its folder says in what the two differ; an equal one is no change."""
     out, document = export(parted, "webdataset", tmp_path / "out")
     assert export_data(parted, ExportPlan("webdataset"), out).was_there
     if not change:

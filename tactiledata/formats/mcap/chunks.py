@@ -26,7 +26,7 @@ MOST_RECORDS = 64
 ENOUGH_BYTES = 2**18
 """Records are read together until they are so many or have so many bytes: less is not worth a hand-over."""
 AHEAD_BYTES = 8 * 2**20
-"""Nothing is read beside records that have more bytes, contents of chunks included: memory would hold two such."""
+"""Size, bytes, of records beside which nothing is read ahead if they have more, as memory would hold two such."""
 
 
 def chunk_content(body: bytes) -> tuple[ChunkHead, bytes]:

@@ -21,7 +21,7 @@ ABSOLUTE = 10**18
 """ns, September 2001. Times before it come from a clock that starts with the recording, or count frames."""
 
 COLUMNS = ("source", "sensor", "start_ns", "end_ns", "parent")
-"""Of the table of trajectories: what tells whether two are one touch."""
+"""Columns of the table of trajectories that tell whether two trajectories are one touch."""
 
 Pairs = dict[int, dict[int, int]]
 
