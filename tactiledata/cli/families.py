@@ -120,7 +120,7 @@ def inspect(
 
     Example: tactiledata inspect run3.mcap --suggest-mapping > mapping.yaml
     """
-    from tactiledata.ingest.sources.discover import find_sources, places_apart, unclaimed_findings
+    from tactiledata.ingest.sources.discover import find_sources, unclaimed_findings
     from tactiledata.ingest.sources.preview import NOT_CHECKED
 
     sources, unclaimed = find_sources(paths, format_name)
@@ -140,14 +140,13 @@ def inspect(
             "not_checked": NOT_CHECKED,
         })  # fmt: skip
     else:
-        places = places_apart(sources)
         for item in previews:
-            _print_preview(item, places.get(item.inspection.source.key, ""))
+            _print_preview(item)
         for key, reason in failed.items():
             say(f"{key}: cannot be read: {reason}")
         is_one = len(sources) == 1
         if not is_one:
-            _print_summary(previews, failed, places)
+            _print_summary(previews, failed)
         say_left_alone(map(str, left))
         of_sources = ((item.source.key, finding) for item in inspections for finding in item.findings)
         findings([*(("" if is_one else key, finding) for key, finding in of_sources), *(("", item) for item in said)])
@@ -221,13 +220,13 @@ def _document(item: Any) -> dict[str, Any]:
     }
 
 
-def _print_preview(item: Any, place: str) -> None:
-    """Print facts and streams of one source, with its place where another has its name, and what ingest would make."""
+def _print_preview(item: Any) -> None:
+    """Print facts and streams of one source, and what ingest would make of it."""
     from tactiledata.ingest.sources.reports import status_in_words
 
     inspection, take = item.inspection, item.take
     source = inspection.source
-    say(f"{source.key}{f' ({place})' if place else ''}: {source.format}, {counted(len(source.files), 'file')}")
+    say(f"{source.key}: {source.format}, {counted(len(source.files), 'file')}")
     for line in _fact_lines(inspection.facts):
         say(f"  {line}")
     rows = [
@@ -248,7 +247,7 @@ _FACTS = {"trajectories": "trajectories stated"}
 """Names of facts for people, where the machine's name says too little."""
 
 
-def _print_summary(previews: list[Any], failed: Mapping[str, str], places: Mapping[str, str]) -> None:
+def _print_summary(previews: list[Any], failed: Mapping[str, str]) -> None:
     """Print a line for each of several sources, behind all that was printed of each: what ingest would make of it."""
     from tactiledata.ingest.sources.reports import status_in_words
 
@@ -257,10 +256,9 @@ def _print_summary(previews: list[Any], failed: Mapping[str, str], places: Mappi
         source, take = item.inspection.source, item.take
         lasts = _duration(item.inspection.facts) or "-"
         made = ("-", "-") if take is None else (take.trajectories.num_rows, take.frames.num_rows)
-        name = f"{source.key} ({places[source.key]})" if source.key in places else source.key
         rows.append(
             (
-                name,
+                source.key,
                 source.format,
                 lasts,
                 *made,

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import shlex
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import typer
 
@@ -30,14 +32,18 @@ def register(app: typer.Typer) -> None:
     app.command("report")(report)
 
 
-def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
+def info(
+    store: str = STORE_ARGUMENT,
+    trajectories: bool = typer.Option(False, "--trajectories", help="List every trajectory by its name, too."),
+    as_json: bool = JSON_OPTION,
+) -> None:
     """Show what a store holds, and what comes next.
 
     Example: tactiledata info ds.zarr
     """
     from tactiledata.formats.mcap.passed_over import TOPIC_LEFT
     from tactiledata.ingest.checks.beside import findings_beside
-    from tactiledata.store.read.overview import found_in, overview, shown_rate
+    from tactiledata.store.read.overview import found_in, listed_trajectories, overview, shown_rate
     from tactiledata.store.read.reader import Store
     from tactiledata.store.read.recording_names import recording_names
     from tactiledata.store.read.simulated import simulated_recordings
@@ -48,8 +54,9 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
         beside = findings_beside(opened)
         facts = overview(opened, beside)
         told = found_in(opened, beside) if as_json else []
+        touches = listed_trajectories(opened) if trajectories else []
     if as_json:
-        emit({**facts, "all_findings": told})
+        emit({**facts, "all_findings": told, **({"trajectory_list": touches} if trajectories else {})})
         return
     # recordings, cameras, sensors, indenters and signals
     say(
@@ -87,6 +94,12 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
     ]
     if signals:
         table("", ("signal", "columns", "frame", "samples", "Hz", "changes at Hz while moving"), signals)
+    if touches:
+        table(
+            "",
+            ("trajectory", "sensor", "indenter", "images", "s", "peak N", "flagged as bad"),
+            map(_touch_row, touches),
+        )
     # splits, meshes, flags and findings
     for name in opened.split_names():
         say(f"split: {name}")
@@ -108,6 +121,13 @@ def info(store: str = STORE_ARGUMENT, as_json: bool = JSON_OPTION) -> None:
     with damage_explains(location):
         for line in next_steps(opened):
             say(line)
+
+
+def _touch_row(touch: Mapping[str, Any]) -> tuple[Any, ...]:
+    """Return the cells of a trajectory in the list of `info`."""
+    peak = "-" if touch["peak_force"] is None else f"{touch['peak_force']:.2f}"
+    named = (touch[name] or "-" for name in ("sensor", "indenter"))
+    return touch["name"], *named, touch["images"], f"{touch['seconds']:.1f}", peak, touch["flag"]
 
 
 def _flag_lines(location: str, flags: list[dict[str, str]]) -> list[str]:

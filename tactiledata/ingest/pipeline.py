@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -27,7 +27,7 @@ from tactiledata.ingest.checks.checks import broken_images, check_take, flag_ima
 from tactiledata.ingest.checks.conflicts import conflict_findings
 from tactiledata.ingest.checks.spooled import SpooledImages
 from tactiledata.ingest.clocks.lag import camera_lag
-from tactiledata.ingest.sources.discover import find_sources, places_apart, unclaimed_findings
+from tactiledata.ingest.sources.discover import find_sources, named_apart, path_ends, unclaimed_findings
 from tactiledata.ingest.sources.refused import refusals_told
 from tactiledata.ingest.sources.replacing import replace_recordings
 from tactiledata.ingest.sources.reports import IngestReport, SourceReport, report_of, with_copies
@@ -47,7 +47,10 @@ from tactiledata.store.write.writer import StagedTake, find_staged, stage
 
 @dataclass(frozen=True)
 class _Task:
+    """A source to be read, and its key in the store if it is new there."""
+
     source: Source
+    key: str
     store: str
     options: IngestOptions
     present: frozenset[str]
@@ -112,18 +115,26 @@ def ingest(
     runner = make_scheduler(workers, scheduler)
     with intake(folder):
         present = frozenset(recover(folder)["sources"])
-        need_tables(Store.open(folder))
-        tasks = [_Task(source, str(folder.resolve()), chosen, present, replace) for source in sources]
+        opened = Store.open(folder)
+        need_tables(opened)
+        taken = () if replace else opened.sources(["key"])["key"].to_pylist()
+        keys = [source.key for source in named_apart(sources, taken)]
+        tasks = [
+            _Task(source, key, str(folder.resolve()), chosen, present, replace)
+            for source, key in zip(sources, keys, strict=True)
+        ]
         watch = _Watch(len(tasks), progress)
         outcomes = _told(runner.outcomes(_read_source, tasks), watch)
         findings: list[Finding] = []
         if replace:
-            reports, findings = replace_recordings(folder, map(_as_read, outcomes))
+            reports, findings = replace_recordings(
+                folder, map(_as_read, outcomes), {source.key: path_ends(source) for source in sources}
+            )
         else:
             reports = []
             otherwise = _ingested_otherwise(folder, chosen)
             commit_groups(folder, _staged_takes(outcomes, set(present), otherwise, reports), watch.stored)
-        reports = _compared(with_copies(reports), folder, places_apart(sources))
+        reports = _compared(with_copies(reports), folder)
         recover(folder)  # copies of what was committed need not wait
         stale = unusable_splits(Store.open(folder))
     left, said = unclaimed_findings(unclaimed)
@@ -131,7 +142,7 @@ def ingest(
     return dataclasses.replace(report, stale_splits=tuple(stale)) if report.changed else report
 
 
-def _compared(reports: list[SourceReport], folder: Path, places: Mapping[str, str]) -> list[SourceReport]:
+def _compared(reports: list[SourceReport], folder: Path) -> list[SourceReport]:
     """Reports, each with what its recording contradicts in the store, with what it is beside others, and its name."""
     store = Store.open(folder)
     digests = store.sources(["sha256"])["sha256"].to_pylist()
@@ -143,7 +154,6 @@ def _compared(reports: list[SourceReport], folder: Path, places: Mapping[str, st
             report,
             findings=(*report.findings, *conflicts.get(report.sha256, ()), *beside.get(report.sha256, ())),
             name=names.get(report.sha256, ""),
-            place=places.get(report.key, ""),
         )
         for report in reports
     ]
@@ -230,7 +240,7 @@ def _staged_so(folder: Path, sha256: str, options: IngestOptions) -> StagedTake 
 
 
 def _read_and_stage(task: _Task, sha256: str) -> StagedTake:
-    source, folder = task.source, Path(task.store)
+    source, folder = dataclasses.replace(task.source, key=task.key), Path(task.store)
     with Spool(staging_folder(folder, sha256)) as spool:
         with refusals_told(source):
             recording = FORMATS[source.format]().read(source, spool, task.options.mapping)
@@ -318,4 +328,4 @@ def _report(outcome: Outcome[_Task, _Read], seen: set[str], otherwise: set[str])
         other = Finding("ingested-otherwise", "warning", text)
         said = (other,) if outcome.result.sha256 in otherwise else ()
         return SourceReport(key, "present", findings=said, sha256=outcome.result.sha256)
-    return report_of(key, "added", staged)
+    return report_of(outcome.task.key, "added", staged)

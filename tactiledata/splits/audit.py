@@ -201,6 +201,13 @@ def empty_parts(split: Split, part: NDArray[np.int64], owners: NDArray[np.intege
     return [Finding("split-empty-part", "warning", message, count=len(none) + len(unseen))]
 
 
+def parts_without(store: Store, split: Split) -> list[Finding]:
+    """A warning where a part of a split that was asked for holds no trajectory, or no frame."""
+    frames = store.frames(list(FRAME_COLUMNS))
+    part = leaks.partition_codes(partition_rows(split, store.trajectories(["uid"])["uid"]))
+    return empty_parts(split, part, frames["trajectory"].to_numpy()[taken_frames(frames, split.force)])
+
+
 def _verb(names: list[str]) -> str:
     return "has" if len(names) == 1 else "have"
 
@@ -215,7 +222,9 @@ def _audit_images(
     too_large = _too_large(store, rows)
     prints = np.full((len(rows), CELLS), np.nan, np.float32)
     prints[~too_large], unreadable = _fingerprints(store, rows[~too_large], progress)
-    pairs = near_pairs(prints, where)
+    near = near_pairs(prints, where)
+    words = leaks.payload_words(frames)[rows]
+    pairs = near.only(words[near.first] != words[near.second])  # those of the same bytes are told as such
     whole = rows[np.isfinite(prints[:, 0])]
     noise = _noise_by_sensor(store, whole, trajectory, codes(store.frames(["sensor"])["sensor"]))
     copies = _copies(store, rows[pairs.first[:MAX_PAIRS]], rows[pairs.second[:MAX_PAIRS]], noise)

@@ -49,6 +49,10 @@ class NearPairs:
     def __len__(self) -> int:
         return len(self.first)
 
+    def only(self, chosen: NDArray[np.bool_]) -> NearPairs:
+        """Return the pairs that are chosen (n,)."""
+        return NearPairs(self.first[chosen], self.second[chosen], self.distance[chosen])
+
 
 def fingerprint(image: NDArray[np.uint8]) -> NDArray[np.float32]:
     """Fingerprint (192,) of an image (H, W, 3) uint8 RGB; NaN where the image is blank."""

@@ -263,6 +263,15 @@ def frame_in_words(row: int, trajectory: int, names: Sequence[str]) -> str:
     return f"frame {row} of {names[trajectory]}" if names else f"frame {row}"
 
 
+def payload_words(frames: pa.Table) -> NDArray[np.uint64]:
+    """Two checks (n_frames,) of each encoded image in one word: 32 bits of CRC-32C, 31 of length.
+
+    Equal words mean equal bytes for all practical purposes.
+    """
+    length, crc = (frames[name].to_numpy().astype(np.uint64) for name in ("length", "crc32c"))
+    return (length << np.uint64(32)) | crc
+
+
 def identical_payloads(
     frames: pa.Table, taken: NDArray[np.bool_], part: NDArray[np.int64], names: Sequence[str] = ()
 ) -> list[Finding]:
@@ -281,8 +290,7 @@ def identical_payloads(
     rows = np.flatnonzero(taken & (length > 0))
     where = part[trajectory[rows]]
     rows, where = rows[where >= 0], where[where >= 0]
-    # two checks in one word: 32 bits of CRC, 31 of length; equal words mean equal bytes for all practical purposes
-    word = (length[rows].astype(np.uint64) << np.uint64(32)) | frames["crc32c"].to_numpy()[rows].astype(np.uint64)
+    word = payload_words(frames)[rows]
     # few words come twice; only those need a group
     order = np.argsort(word, kind="stable")
     twice = word[order][1:] == word[order][:-1]

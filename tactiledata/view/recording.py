@@ -23,7 +23,7 @@ from tactiledata.contract.atomic import sync_folder
 from tactiledata.contract.progress import Progress
 from tactiledata.contract.provenance import digest_of, provenance
 from tactiledata.contract.simulated import SimulatedCount
-from tactiledata.contract.wording import counted
+from tactiledata.contract.wording import counted, listed
 from tactiledata.errors import StoreError, UsageError
 from tactiledata.store.read.flags import Flag
 from tactiledata.store.read.meshes import StoredMesh
@@ -42,6 +42,8 @@ from tactiledata.view.touch_log import TouchLog
 COLOURS = re.compile("\x1b\\[[0-9;]*m")
 """What rerun writes into its messages to colour them on a terminal."""
 SUFFIX = ".rrd"
+MOST_MESHES = 3
+"""Names of other meshes that a report prints."""
 LOCK = "lock"
 """A file that is locked as long as its folder is written to; the system frees it when the process dies."""
 
@@ -62,6 +64,8 @@ class ViewReport:
         How many are shown.
     mesh : str
         Name of the mesh; empty where there is none.
+    other_meshes : tuple of str
+        Names of the meshes of the store that are not shown.
     simulated : SimulatedCount
         Of the trajectories that are shown.
     flags : tuple of Flag
@@ -76,6 +80,7 @@ class ViewReport:
     pictures: int
     meshes: int
     mesh: str
+    other_meshes: tuple[str, ...]
     simulated: SimulatedCount
     flags: tuple[Flag, ...]
     missing: dict[str, int]
@@ -85,6 +90,7 @@ class ViewReport:
         return {
             **vars(self),
             "trajectories": list(self.trajectories),
+            "other_meshes": list(self.other_meshes),
             "simulated": self.simulated.document(),
             "flags": [flag.document() for flag in self.flags],
         }
@@ -93,9 +99,11 @@ class ViewReport:
         """The report for people."""
         shown = len(self.trajectories)
         what = f"{counted(shown, 'trajectory')} of {self.found}" if shown < self.found else counted(shown, "trajectory")
-        lines = [
-            f"{self.out}: {what}, {counted(self.pictures, 'picture')}, {counted(self.meshes, 'frame')} with a mesh"
-        ]
+        named = f" ({self.mesh})" if self.mesh else ""
+        pictures, meshes = counted(self.pictures, "picture"), counted(self.meshes, "frame")
+        lines = [f"{self.out}: {what}, {pictures}, {meshes} with a mesh{named}"]
+        if self.other_meshes:
+            lines.append(f"other meshes, shown by --mesh NAME: {listed(self.other_meshes, MOST_MESHES)}")
         if shown < self.found:
             lines.append("others: name them, or give --most 0 for all")
         lines += [self.simulated.sentence] if self.simulated.sentence else []
@@ -164,7 +172,7 @@ def write_view(
         _write_layout(layout, store, shown, options.narrow)
         # the viewer shows what it read last
         _join([layout, *reversed(parts)], folder / "joined.rrd", out)
-    return _report(out, shown, found, mesh)
+    return _report(out, shown, found, mesh, store.mesh_names)
 
 
 @contextmanager
@@ -255,7 +263,9 @@ def _join(parts: Collection[Path], joined: Path, out: Path) -> None:
     sync_folder(out.parent)
 
 
-def _report(out: Path, shown: Sequence[_Shown], found: int, mesh: StoredMesh | None) -> ViewReport:
+def _report(
+    out: Path, shown: Sequence[_Shown], found: int, mesh: StoredMesh | None, names: Sequence[str]
+) -> ViewReport:
     meshes = sum(part.meshes for part in shown)
     return ViewReport(
         out=str(out),
@@ -264,6 +274,7 @@ def _report(out: Path, shown: Sequence[_Shown], found: int, mesh: StoredMesh | N
         pictures=sum(part.pictures for part in shown),
         meshes=meshes,
         mesh=mesh.name if mesh is not None and meshes else "",
+        other_meshes=tuple(name for name in names if mesh is None or name != mesh.name),
         simulated=SimulatedCount.of((part.touch.kind for part in shown), "trajectory"),
         flags=tuple(part.touch.flag for part in shown if part.touch.flag is not None),
         missing=dict(Counter(sentence for part in shown for sentence in part.missing)),

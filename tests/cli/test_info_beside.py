@@ -1,6 +1,7 @@
 """What `info` and the page of a store say of recordings beside each other: cameras, copies."""
 
 import json
+import math
 import re
 import shlex
 
@@ -12,6 +13,7 @@ from tactiledata.ingest.pipeline import ingest
 from tactiledata.ingest.sources.overview import page
 from tactiledata.ingest.trajectories.assemble import IngestOptions
 from tactiledata.store.read.flags import flagged_trajectories
+from tactiledata.store.read.named_trajectories import full_names
 from tactiledata.store.read.reader import Store
 
 
@@ -38,6 +40,25 @@ def test_info_lists_the_recordings_of_each_camera(three, capsys):
         "tactile": ["D20002.mcap"],
     }
     assert sum(row["frames"] for row in cameras.values()) == Store.open(three).n_frames
+
+
+def test_info_lists_trajectories_when_asked(three, tmp_path, capsys):
+    """Each by the name that `flag` takes, with what it holds and its flag; without the option none is listed."""
+    place = copy_tree(three, tmp_path / "ds.zarr")
+    name = full_names(Store.open(place))[1]
+    run_command(capsys, "flag", place, name, "--reason", "slipped")
+    code, out, _ = run_command(capsys, "info", place, "--trajectories")
+    assert code == 0
+    assert out.count("slipped") == 2
+    _, out, _ = run_command(capsys, "info", place, "--trajectories", "--json")
+    listed = json.loads(out)["trajectory_list"]
+    assert [row["name"] for row in listed] == full_names(Store.open(place))
+    assert sum(row["images"] for row in listed) <= Store.open(place).n_frames
+    assert [row["flag"] for row in listed[:2]] == ["", "slipped"]
+    peaks = Store.open(place).trajectories(["peak_force"])["peak_force"].to_pylist()
+    assert [row["peak_force"] for row in listed] == [None if math.isnan(peak) else peak for peak in peaks]
+    _, out, _ = run_command(capsys, "info", place, "--json")
+    assert "trajectory_list" not in json.loads(out)
 
 
 def test_info_and_page_say_what_recordings_are_beside_each_other(three, capsys):

@@ -10,7 +10,7 @@ import pytest
 from few_examples import few
 from hypothesis import given
 from hypothesis import strategies as st
-from split_cases import MemoryStore, many, trajectories
+from split_cases import MemoryStore, many, replaced, trajectories
 
 from tactiledata.contract.sealed import sealed_json
 from tactiledata.errors import MissingSplit
@@ -38,13 +38,6 @@ def forged(store, change, name="default"):
 def rows_of(store, part):
     table = load_split(store, "default").table.to_pylist()
     return [number for number, row in enumerate(table) if row["partition"] == part]
-
-
-def replaced(table, **columns):
-    for name, values in columns.items():
-        at = table.column_names.index(name)
-        table = table.set_column(at, table.schema.field(name), pa.array(values, table.schema.field(name).type))
-    return table
 
 
 @pytest.fixture

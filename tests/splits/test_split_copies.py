@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from split_cases import MemoryStore, background, frames, jpeg, levels, many, touch, trajectories
+from split_cases import MemoryStore, background, frames, jpeg, levels, many, replaced, touch, trajectories
 
 from tactiledata.errors import StoreError
 from tactiledata.splits.audit import audit
@@ -169,6 +169,17 @@ def test_a_planted_copy_is_found_among_repeats(rig, kind):
         trajectory = rig.table.slice(rig.frame_table["trajectory"][row].as_py(), 1).to_pylist()[0]
         name = f"log{trajectory['source']}/{trajectory['trajectory']}"
         assert f"frame {row} of {name} ({part})" in found.message
+
+
+@pytest.mark.slow
+def test_images_of_the_same_bytes_are_one_kind_of_leak(rig):
+    """They are told as identical, and not as compressed or brightened copies too."""
+    train, test = both_sides(rig)
+    rig.pictures[test] = rig.pictures[train]
+    crc, length = (rig.frame_table[name].to_numpy().copy() for name in ("crc32c", "length"))
+    crc[test], length[test] = crc[train], length[train] = 7, 1000
+    rig.frame_table = replaced(rig.frame_table, crc32c=crc, length=length)
+    assert [found.code for found in audit(rig).leaks] == ["identical-image"]
 
 
 @pytest.mark.slow

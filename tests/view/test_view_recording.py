@@ -200,6 +200,8 @@ def test_gel_is_the_deformed_surface(seen):
         largest = np.linalg.norm(store.mesh("planted").displacement(solved), axis=2).max()
         assert f"yellow has moved {1e3 * largest:.2f} mm" in view.static("about", "TextDocument:text")[0]
     assert report.meshes == store.n_frames - 1
+    assert report.lines()[0].endswith("with a mesh (planted)")
+    assert report.other_meshes == ()
 
 
 def test_a_frame_without_mesh_clears_the_one_before(seen):
@@ -255,6 +257,17 @@ def test_what_is_missing_is_said_and_absent(planted, tmp_path):
         assert said in words
         assert any(said in sentence for sentence in report.missing)
     assert len(view.rows("cameras/digit/picture", "EncodedImage:blob")) == report.pictures > 0
+
+
+@pytest.mark.slow
+def test_the_mesh_that_is_shown_is_named_beside_the_others(planted, tmp_path):
+    """Of two meshes the report names the shown one, and the other with the option that shows it."""
+    place = copy_tree(planted, tmp_path / "two.zarr")
+    attach_planted(place, "another")
+    report = write_view(Store.open(place), tmp_path / "a.rrd", ViewOptions(mesh="planted"))
+    assert (report.mesh, report.other_meshes) == ("planted", ("another",))
+    assert report.lines()[0].endswith("with a mesh (planted)")
+    assert "other meshes, shown by --mesh NAME: another" in report.lines()
 
 
 @pytest.mark.slow

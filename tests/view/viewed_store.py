@@ -30,8 +30,8 @@ def planted_pad():
     )
 
 
-def attach_planted(place):
-    """A mesh called ``planted``: frame n moves node k down by (n + 1)(k + 1) micrometres; frame 3 was not solved."""
+def attach_planted(place, name="planted"):
+    """A planted mesh: frame n moves node k down by (n + 1)(k + 1) micrometres; frame 3 was not solved."""
     store = Store.open(place)
     pad, n = planted_pad(), store.n_frames
     kept, corners = len(pad.kept), len(pad.corners)
@@ -54,7 +54,7 @@ def attach_planted(place):
     settings = {"fidelity": "linear", "material": {"youngs_modulus": 8e5, "poisson_ratio": 0.48, "friction": 0.9}}
     statuses = {"0": "solved", "5": "no equilibrium was found"}
     described = {"settings": settings, "statuses": statuses, "kind": "hexahedron8"}
-    append_mesh(place, "planted", described, [{"sensor": "digit"}], pad, (0, n), arrays)
+    append_mesh(place, name, described, [{"sensor": "digit"}], pad, (0, n), arrays)
 
 
 class Viewed:

@@ -6,5 +6,6 @@
 - ``blank_images``: images of one colour. ``background_seen``: images beside the picture without contact.
 - ``spooled``: pictures that wait for their commit, read back for these checks.
 - ``twins``, ``camera_names``, ``conflicts``: what is known only beside other recordings and the store.
+- ``shared_images``: which touches of two recordings hold the same images.
 - ``beside``: the entry to these for a whole store, whose own findings it puts before them.
 """

@@ -1,19 +1,25 @@
 """Recordings that hold the same touches: an edited copy of a log, a damaged copy of a bag, one run recorded twice.
 
 Their files differ, so that their digests do not tell. A sensor cannot be in two touches at once: where the trajectories
-of one sensor overlap in time between two recordings, these are twins.
+of one sensor overlap in time between two recordings, these are twins. No camera takes the same bytes twice: where
+trajectories of two recordings share most of their images, these are twins whatever their times.
 """
 
 from __future__ import annotations
 
 import shlex
+from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from tactiledata.contract.records import Finding
-from tactiledata.contract.wording import counted
+from tactiledata.contract.wording import counted, listed
 from tactiledata.errors import TactileDataError
+from tactiledata.ingest.checks.shared_images import IMAGE_COLUMNS, touches_of_same_images
 from tactiledata.store.read.flags import flagged_trajectories
+from tactiledata.store.read.named_trajectories import full_names
 from tactiledata.store.read.reader import Store
 from tactiledata.store.read.recording_names import recording_names
 
@@ -23,6 +29,9 @@ ABSOLUTE = 10**18
 COLUMNS = ("source", "sensor", "start_ns", "end_ns", "parent")
 """Columns of the table of trajectories that tell whether two trajectories are one touch."""
 
+MOST_SAID = 4
+"""Recordings that an error names."""
+
 Pairs = dict[int, dict[int, int]]
 
 
@@ -31,23 +40,56 @@ def twins_of_store(store: Store) -> dict[int, Finding]:
 
     Flagged trajectories are left out: somebody chose already which of two copies splits take.
     """
-    names, flagged = recording_names(store), flagged_trajectories(store)
-    columns = ["uid", "indenter", *COLUMNS]
-    touches = [touch for touch in store.trajectories(columns).to_pylist() if touch["uid"] not in flagged]
-    differs = _other_indenters(touches)
+    names, touches = recording_names(store), _touches(store)
+    pairs = _pairs(store, touches)
+    differs = _other_indenters(touches, pairs)
     found = {}
-    for row, others in sorted(overlaps(touches).items()):
-        reason = f"a copy of {names[min(others)]}"
-        command = shlex.join(["tactiledata", "flag", store.location, names[row], "--reason", reason])
-        remedy = f"{differs.get(row, '')}. Splits leave this one out after: {command}"
-        found[row] = twin_finding(names, others, remedy)
+    for row, others in sorted(_counted(touches, pairs).items()):
+        copies = [
+            one for one, other in pairs if (touches[one]["source"], touches[other]["source"]) == (row, min(others))
+        ]
+        command = _flag_command(store, touches, copies, f"a copy of {names[min(others)]}")
+        found[row] = twin_finding(names, others, f"{differs.get(row, '')}. Splits leave this one out after: {command}")
     return found
 
 
-def _other_indenters(touches: Sequence[Mapping[str, Any]]) -> dict[int, str]:
+def _touches(store: Store) -> list[dict[str, Any]]:
+    """The trajectories of a store, each with what tells whether it is another, and whether it is flagged."""
+    flagged = flagged_trajectories(store)
+    touches = store.trajectories(["uid", "indenter", *COLUMNS]).to_pylist()
+    return [{**touch, "flagged": touch["uid"] in flagged} for touch in touches]
+
+
+def _pairs(store: Store, touches: Sequence[Mapping[str, Any]]) -> list[tuple[int, int]]:
+    """Rows of touches of two recordings that are one touch, both ways round, of those that are not flagged."""
+    source = np.array([touch["source"] for touch in touches], np.int64)
+    alike = touches_of_same_images(store.frames(list(IMAGE_COLUMNS)), source)
+    met = {*_meetings(touches), *(pair for pair in alike if not any(touches[row]["parent"] for row in pair))}
+    return sorted(pair for pair in met if not any(touches[row].get("flagged") for row in pair))
+
+
+def _flag_command(store: Store, touches: Sequence[Mapping[str, Any]], copies: Collection[int], reason: str) -> str:
+    """The command that flags touches: by the names of recordings where these are all that they hold, else by their own.
+
+    Parameters
+    ----------
+    copies : collection of int
+        Rows of the trajectories to be flagged.
+    """
+    recordings, full = recording_names(store), full_names(store)
+    wanted = set(copies)
+    whole = {
+        source: all(row in wanted or touch["flagged"] for row, touch in enumerate(touches) if touch["source"] == source)
+        for source in {touches[row]["source"] for row in wanted}
+    }
+    said = [recordings[source] if whole[source := touches[row]["source"]] else full[row] for row in sorted(wanted)]
+    return shlex.join(["tactiledata", "flag", store.location, *dict.fromkeys(said), "--reason", reason])
+
+
+def _other_indenters(touches: Sequence[Mapping[str, Any]], pairs: Iterable[tuple[int, int]]) -> dict[int, str]:
     """Say, for each recording, of how many touches a twin names another indenter, and one example."""
     met: dict[int, dict[int, tuple[str, str]]] = {}
-    for one, other in _meetings(touches):
+    for one, other in pairs:
         here, there = touches[one]["indenter"], touches[other]["indenter"]
         if here and there and here != there:
             met.setdefault(touches[one]["source"], {})[one] = here, there
@@ -74,20 +116,25 @@ def need_touches_once(store: Store, sensor: str | None = None) -> None:
     TactileDataError
         Two recordings hold the same touches.
     """
-    flagged = flagged_trajectories(store)
-    touches = store.trajectories(["uid", *COLUMNS]).to_pylist()
-    pairs = overlaps(touch for touch in touches if touch["uid"] not in flagged and sensor in (None, touch["sensor"]))
+    touches = _touches(store)
+    pairs = [pair for pair in _pairs(store, touches) if sensor in (None, *(touches[row]["sensor"] for row in pair))]
     if not pairs:
         return
-    names = recording_names(store)
-    one, others = min(pairs.items())
-    copy = names[max(others)]
-    command = shlex.join(["tactiledata", "flag", store.location, copy, "--reason", f"a copy of {names[one]}"])
+    names, source = recording_names(store), [touch["source"] for touch in touches]
+    # of each pair the one that came later
+    copies = {max(pair, key=lambda row: source[row]): min(pair, key=lambda row: source[row]) for pair in pairs}
+    original = {source[copy]: source[one] for copy, one in copies.items()}
+    counts = Counter(source[copy] for copy in copies)
+    said = [
+        f"{counted(counts[row], 'trajectory')} of {names[row]} as in {names[original[row]]}" for row in sorted(counts)
+    ]
+    is_one = len(said) == 1
+    reason = f"a copy of {names[next(iter(original.values()))]}" if is_one else "copies of other recordings"
     raise TactileDataError(
-        f"{store.location}: {counted(others[max(others)], 'trajectory')} of {copy} at the same time as those of"
-        f" {names[one]}, by one sensor: one recording is a copy of the other",
+        f"{store.location}: {listed(said, MOST_SAID)}, by the same sensor at the same time, or with the same images: "
+        f"{'this recording is a copy' if is_one else 'these recordings are copies'}",
         "each touch once: a fit counts a copy twice, and holds out what it also fits",
-        f"Flag one of them: {command}",
+        f"Flag {'it' if is_one else 'them'}: {_flag_command(store, touches, copies, reason)}",
     )
 
 
@@ -104,10 +151,10 @@ def twin_finding(keys: Sequence[str], others: Mapping[int, int], remedy: str = "
         End of the sentence.
     """
     names = [f"{keys[other]} ({count})" for other, count in sorted(others.items())]
-    listed = ", ".join(names[:3]) + (f" and {len(names) - 3} more recordings" if names[3:] else "")
+    more = f" and {len(names) - 3} more recordings" if names[3:] else ""
     text = (
-        f"trajectories of the same sensor at the same time are in other recordings too: {listed}. "
-        f"One may be an edited or a damaged copy of the other{remedy}"
+        f"trajectories of the same sensor at the same time, or with the same images, are in other recordings too: "
+        f"{', '.join(names[:3])}{more}. One may be an edited or a damaged copy of the other{remedy}"
     )
     return Finding("recording-twin", "warning", text, count=sum(others.values()))
 
@@ -115,7 +162,7 @@ def twin_finding(keys: Sequence[str], others: Mapping[int, int], remedy: str = "
 def twin_rows(store: Store, rows: Collection[int]) -> list[int]:
     """Rows of the trajectories that are copies, in other recordings, of some of a store; none of these themselves."""
     touches = store.trajectories(COLUMNS).to_pylist()
-    met = {other for one, other in _meetings(touches) if one in rows}
+    met = {other for one, other in _pairs(store, touches) if one in rows}
     return sorted(met - set(rows))
 
 
@@ -130,11 +177,16 @@ def overlaps(touches: Iterable[Mapping[str, Any]]) -> Pairs:
         the nanosecond.
     """
     known = list(touches)
-    pairs: Pairs = {}
-    for row, other in {(one, known[other]["source"]) for one, other in _meetings(known)}:
-        counts = pairs.setdefault(known[row]["source"], {})
+    return _counted(known, _meetings(known))
+
+
+def _counted(touches: Sequence[Mapping[str, Any]], pairs: Iterable[tuple[int, int]]) -> Pairs:
+    """How many touches of each source are paired with one of another, by source and other source."""
+    found: Pairs = {}
+    for row, other in {(one, touches[other]["source"]) for one, other in pairs}:
+        counts = found.setdefault(touches[row]["source"], {})
         counts[other] = counts.get(other, 0) + 1
-    return pairs
+    return found
 
 
 def _meetings(touches: Sequence[Mapping[str, Any]]) -> Iterator[tuple[int, int]]:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from tactiledata.contract.lfs_pointer import is_lfs_pointer, not_fetched, pointer_words
 from tactiledata.contract.near_path import near_path
@@ -24,8 +23,6 @@ from tactiledata.store.layout.places import store_around
 
 EXPORT = "export.json"
 """File that tells of an export of a store."""
-NUMBER = re.compile(r"~\d+$")
-"""What is added to a key where another source of a call has the same."""
 MAX_DEPTH = 4
 """Folders below a named one that are searched for recordings."""
 
@@ -78,7 +75,10 @@ def find_sources(paths: Sequence[Path], format_name: str | None = None) -> tuple
         sources.extend(found)
         unclaimed.extend(left)
     used = {name for source in sources for name in source.files}
-    return _unique_keys(sources), [path for path in unclaimed if str(path) not in used]
+    seen: dict[tuple[str, str], Source] = {}
+    for source in sources:
+        seen.setdefault((str(Path(source.path).resolve()), source.part), source)
+    return named_apart(list(seen.values())), [path for path in unclaimed if str(path) not in used]
 
 
 def _export_format(folder: Path) -> str:
@@ -239,38 +239,58 @@ def _joined(parts: Iterable[tuple[list[Source], list[Path]]]) -> tuple[list[Sour
     return sources, unclaimed
 
 
-def places_apart(sources: Sequence[Source]) -> dict[str, str]:
-    """Ends of paths that tell sources of one name apart, by key; sources whose name no other has are left out.
+def named_apart(sources: Sequence[Source], taken: Collection[str] = ()) -> list[Source]:
+    """Sources with keys that tell them apart: ends of their paths, as short as may be.
+
+    Parameters
+    ----------
+    sources : sequence of Source
+    taken : collection of str
+        Keys that none of them may have.
+
+    Returns
+    -------
+    list of Source
+        In their order. A source whose key no other has, and that is not taken, keeps it. Recordings of one file, and
+        those whose whole paths are taken, get a number.
 
     Examples
     --------
-    >>> paths = {"run.mcap": "/data/mon/run.mcap", "run.mcap~2": "/data/tue/run.mcap", "a.mcap": "/data/a.mcap"}
-    >>> places_apart([Source(path, key, "mcap", (path,)) for key, path in paths.items()])
-    {'run.mcap': 'mon/run.mcap', 'run.mcap~2': 'tue/run.mcap'}
+    >>> paths = ("/data/mon/run.mcap", "/data/tue/run.mcap", "/data/a.mcap")
+    >>> [source.key for source in named_apart([Source(path, Path(path).name, "mcap", (path,)) for path in paths])]
+    ['mon/run.mcap', 'tue/run.mcap', 'a.mcap']
     """
-    groups: dict[str, list[Source]] = {}
-    for source in sources:
-        groups.setdefault(NUMBER.sub("", source.key), []).append(source)
-    found = {}
-    for group in groups.values():
-        paths = [(*Path(source.path).absolute().parts, *filter(None, [source.part])) for source in group]
-        for length in range(1, max(map(len, paths)) + 1):
-            ends = [path[-length:] for path in paths]
-            if len(group) > 1 and len(set(ends)) == len(ends):
-                found.update({source.key: str(Path(*end)) for source, end in zip(group, ends, strict=True)})
-                break
-    return found
+    keys = [source.key for source in sources]
+    ends = [path_ends(source) for source in sources]
+    length = 1
+    while clashes := [row for row in _clashes(keys, taken) if length < len(ends[row])]:
+        for row in clashes:
+            keys[row] = ends[row][length]
+        length += 1
+    used, named = {*taken}, []
+    for source, key in zip(sources, keys, strict=True):
+        name, number = key, 1
+        while name in used:
+            number += 1
+            name = f"{key}~{number}"
+        used.add(name)
+        named.append(replace(source, key=name))
+    return named
 
 
-def _unique_keys(sources: list[Source]) -> list[Source]:
-    """The sources, each once, with keys made different by their folder where two have one name."""
-    seen: dict[tuple[str, str], Source] = {}
-    for source in sources:
-        seen.setdefault((str(Path(source.path).resolve()), source.part), source)
-    keys: dict[str, int] = {}
-    unique = []
-    for source in seen.values():
-        keys[source.key] = keys.get(source.key, 0) + 1
-        repeat = keys[source.key]
-        unique.append(source if repeat == 1 else replace(source, key=f"{source.key}~{repeat}"))
-    return unique
+def path_ends(source: Source) -> list[str]:
+    """What a source may be called by its path: its last part, the last two, and so on.
+
+    Examples
+    --------
+    >>> path_ends(Source("/data/mon/run.mcap", "run.mcap", "mcap", ("/data/mon/run.mcap",)))
+    ['run.mcap', 'mon/run.mcap', 'data/mon/run.mcap']
+    """
+    parts = [*Path(source.path).absolute().parts[1:], *filter(None, [source.part])]
+    return [str(PurePosixPath(*parts[-length:])) for length in range(1, len(parts) + 1)]
+
+
+def _clashes(keys: Sequence[str], taken: Collection[str]) -> list[int]:
+    """Rows of the keys that several sources have, or that are taken."""
+    times = Counter(keys)
+    return [row for row, key in enumerate(keys) if times[key] > 1 or key in taken]

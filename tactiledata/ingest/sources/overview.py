@@ -21,6 +21,7 @@ from tactiledata.report.page import Picture, Section, render_page
 from tactiledata.report.panels import panels_of
 from tactiledata.report.plots import TouchPicture, draw_touches, png_bytes
 from tactiledata.splits.again import command
+from tactiledata.splits.audit import parts_without
 from tactiledata.splits.flagged import SHOWN, flagged_in_parts
 from tactiledata.splits.manifest import coverage_problem, read_split, read_split_document
 from tactiledata.splits.options import EXCLUDED, PARTITIONS
@@ -277,6 +278,10 @@ def _split(store: Store, split: str) -> Section:
         ("", f"The split {split!r} divides whole trajectories. Held out for test_unseen: {held or 'nothing'}.")
     ]
     loaded = read_split(store, split)
+    taken = sum(count["frames"] for count in counts.values())
+    filtered = f" with a contact force of {loaded.force[0]:g} to {loaded.force[1]:g} N" if loaded.force else ""
+    sentences.append(("info", f"It takes whole images{filtered}: {taken:,} of {store.n_frames:,}."))
+    sentences += [(finding.severity, f"{finding.message}.") for finding in parts_without(store, loaded)]
     if flags := flagged_in_parts(store, loaded):
         words = f"Flagged since it was drawn: {flag_words(flags, SHOWN)}. Draw it again, which leaves them out."
         sentences.append(("warning", words))
@@ -285,7 +290,7 @@ def _split(store: Store, split: str) -> Section:
         again = "Draw it again; until then it cannot be loaded."
         sentences.append(("warning", f"The split is out of date: {problem}. {again}"))
         code = [command(str(store.location), split, document["options"])]
-    return Section("Split", sentences=sentences, columns=("part", "trajectories", "images"), rows=rows, code=code)
+    return Section("Split", sentences=sentences, columns=("part", "trajectories", "images taken"), rows=rows, code=code)
 
 
 def _use(store: Store, split: str) -> Section:

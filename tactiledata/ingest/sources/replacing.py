@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path, PurePosixPath
+from types import MappingProxyType
 
 import numpy as np
 import pyarrow as pa
@@ -31,11 +32,11 @@ NOTHING = 0
 class StoredRecordings:
     """The recordings of a store, to be recognised after they were corrected.
 
-    A recording is the same where its files are the same; or where its name is the same (the name that ingest prints)
-    and an image of the two is the same byte for byte, or the log stamps of a signal are. So an edited
-    log.yaml, a calibration that was added or a file that was copied again stays the same recording, and two recordings
-    that happen to be called alike do not. Of a name with folders the last part is enough, where one recording alone
-    has it: ``monday/run1.mcap`` is ``run1.mcap`` where the file is given in place of its folder.
+    A recording is the same where its files are the same; or where its name is the same (the name that ingest prints,
+    which is an end of its path) and an image of the two is the same byte for byte, or the log stamps of a signal are.
+    So an edited log.yaml, a calibration that was added or a file that was copied again stays the same recording, and
+    two recordings that happen to be called alike do not. Of a name with folders the last part is enough, where one
+    recording alone has it and is the same: ``monday/run1.mcap`` is ``run1.mcap`` where the file lies elsewhere now.
     """
 
     def __init__(self, store: Store) -> None:
@@ -47,22 +48,25 @@ class StoredRecordings:
     def _frames(self) -> pa.Table:
         return self._store.frames(["source", *IMAGE])
 
-    def matches(self, staged: StagedTake) -> list[str]:
-        """Digests of the sources that are the same recording as a staged one."""
+    def matches(self, staged: StagedTake, names: Collection[str] = ()) -> list[str]:
+        """Digests of the sources that are the same recording as a staged one, which has other names, too."""
         key = staged.document["key"]
+        known = {key, *names}
         same = [
             source["sha256"]
             for row, source in enumerate(self._sources)
-            if source["sha256"] == staged.sha256 or (source["key"] == key and self._is_same_touch(row, staged))
+            if source["sha256"] == staged.sha256 or (source["key"] in known and self._is_same_touch(row, staged))
         ]
         return same or self._of_last_part(PurePosixPath(key).name, staged)
 
     def _of_last_part(self, name: str, staged: StagedTake) -> list[str]:
-        """Digest of the only source whose name ends in this part, where it is the same recording; else nothing."""
-        called = [row for row, source in enumerate(self._sources) if PurePosixPath(source["key"]).name == name]
-        if len(called) != 1 or not self._is_same_touch(called[0], staged):
-            return []
-        return [self._sources[called[0]]["sha256"]]
+        """Digest of the same recording under a name that ends in this part; nothing where several are, or none."""
+        same = [
+            source["sha256"]
+            for row, source in enumerate(self._sources)
+            if PurePosixPath(source["key"]).name == name and self._is_same_touch(row, staged)
+        ]
+        return same if len(same) == 1 else []
 
     def is_exact(self, staged: StagedTake) -> bool:
         """Whether a source has the files, or the whole name, of a staged recording."""
@@ -125,11 +129,21 @@ class Plan:
         return "added" if any(staged is one for one in self.new) else "present"
 
 
-def plan(stored: StoredRecordings, takes: Sequence[StagedTake]) -> Plan:
-    """Each recording of the store is replaced once, by the take with the same files before one with the same name."""
+def plan(
+    stored: StoredRecordings, takes: Sequence[StagedTake], names: Mapping[str, Collection[str]] = MappingProxyType({})
+) -> Plan:
+    """Each recording of the store is replaced once, by the take with the same files before one with the same name.
+
+    Parameters
+    ----------
+    stored : StoredRecordings
+    takes : sequence of StagedTake
+    names : mapping, key -> collection of str
+        What else a take may be called in the store.
+    """
     chosen = Plan({}, [], [])
     taken: set[str] = set()
-    found = [(take, stored.matches(take)) for take in takes]
+    found = [(take, stored.matches(take, names.get(take.document["key"], ()))) for take in takes]
     for take, matches in sorted(found, key=lambda one: (one[0].sha256 not in one[1], not stored.is_exact(one[0]))):
         if take.sha256 in taken:
             chosen.held.append(take)
@@ -146,7 +160,9 @@ def plan(stored: StoredRecordings, takes: Sequence[StagedTake]) -> Plan:
 
 
 def replace_recordings(
-    folder: Path, read: Iterable[tuple[str, StagedTake | None, str]]
+    folder: Path,
+    read: Iterable[tuple[str, StagedTake | None, str]],
+    names: Mapping[str, Collection[str]] = MappingProxyType({}),
 ) -> tuple[list[SourceReport], list[Finding]]:
     """Reports of all sources, and what concerns none of them, after recordings were put in the place of older ones.
 
@@ -154,10 +170,12 @@ def replace_recordings(
     ----------
     read : iterable of (key, staged take, error)
         All are staged before any is committed: which replaces which is known only then.
+    names : mapping, key -> collection of str
+        What else each may be called in the store.
     """
     outcomes = list(read)
     takes = [staged for _, staged, _ in outcomes if staged is not None]
-    chosen = plan(StoredRecordings(Store.open(folder)), takes)
+    chosen = plan(StoredRecordings(Store.open(folder)), takes, names)
     reports = [_report(key, staged, error, chosen) for key, staged, error in outcomes]
     findings = replace_takes(folder, chosen.replacements) if chosen.replacements else []
     new = {take.sha256: take for take in chosen.new}

@@ -48,8 +48,6 @@ class SourceReport:
         Key of the source of the same call whose files are the same and which came in; empty where there is none.
     name : str
         What the store's commands call it, where several of its recordings have the key; empty where the key does.
-    place : str
-        End of its path that tells it from sources of the same call with the same name; empty where the key does.
     """
 
     key: str
@@ -63,12 +61,11 @@ class SourceReport:
     kind: Kind = "not stated"
     copy_of: str = ""
     name: str = ""
-    place: str = ""
 
     @property
     def words(self) -> str:
-        """Its name for people, with its place where another source has the same."""
-        return f"{self.name or self.key} ({self.place})" if self.place else self.name or self.key
+        """Its name for people."""
+        return self.name or self.key
 
 
 @dataclass(frozen=True)
@@ -117,7 +114,6 @@ class IngestReport:
                 {
                     "key": source.key,
                     "name": source.name or source.key,
-                    "place": source.place,
                     "state": source.state,
                     "status": source.status,
                     "frames": source.frames,

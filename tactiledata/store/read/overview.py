@@ -12,6 +12,7 @@ import pyarrow as pa
 
 from tactiledata.contract.records import Finding
 from tactiledata.store.read.flags import flagged_trajectories
+from tactiledata.store.read.named_trajectories import full_names
 from tactiledata.store.read.recording_names import recording_names
 from tactiledata.store.read.simulated import simulated_recordings
 
@@ -50,6 +51,31 @@ def overview(store: Store, beside: Mapping[int, Sequence[Finding]] = NOTHING_BES
         "flagged": [flag.document() for flag in flagged_trajectories(store).values()],
         "meshes": {name: _mesh(store, name) for name in store.mesh_names},
     }
+
+
+def listed_trajectories(store: Store) -> list[dict[str, Any]]:
+    """The trajectories of a store in their order, as JSON values: what each is called, and what it holds.
+
+    Returns
+    -------
+    list of dict
+        ``name``, ``uid``, ``sensor``, ``indenter``; ``images``; ``seconds``; ``peak_force`` in N, ``None`` where no
+        force was recorded; ``flag``, its reason, empty where it has none.
+    """
+    flagged = flagged_trajectories(store)
+    columns = ["uid", "sensor", "indenter", "start_ns", "end_ns", "frame_start", "frame_stop", "peak_force"]
+    rows = store.trajectories(columns).to_pylist()
+    return [
+        {
+            "name": name,
+            **{key: row[key] for key in ("uid", "sensor", "indenter")},
+            "images": row["frame_stop"] - row["frame_start"],
+            "seconds": (row["end_ns"] - row["start_ns"]) / 1e9,
+            "peak_force": None if row["peak_force"] is None or np.isnan(row["peak_force"]) else row["peak_force"],
+            "flag": flagged[row["uid"]].reason if row["uid"] in flagged else "",
+        }
+        for name, row in zip(full_names(store), rows, strict=True)
+    ]
 
 
 def found_in(store: Store, beside: Mapping[int, Sequence[Finding]] = NOTHING_BESIDE) -> list[dict[str, Any]]:

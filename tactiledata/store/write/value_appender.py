@@ -61,17 +61,18 @@ class ValueAppender:
         """One take; what the sources table keeps of its values, the names that its signals got, and findings."""
         contents: dict[str, Any] = {}
         names: dict[str, str] = {}
-        findings = []
+        findings: dict[str, Finding] = {}
         for kind in KINDS:
             contents[kind] = {}
             for name, entry in take.document[kind].items():
                 stored = self._stored_name(kind, name, entry)
                 if stored != name:
-                    findings.append(self._variant_finding(kind, name, stored, entry))
+                    # values of the same name that were made of a signal differ as it does: said once
+                    findings.setdefault(name, self._variant_finding(kind, name, stored, entry))
                 if kind == "signals":
                     names[name] = stored
                 contents[kind][stored] = {"name": name, **self._note(kind, stored, take, entry)}
-        return contents, names, findings
+        return contents, names, list(findings.values())
 
     def finish(self) -> None:
         """All values written."""
@@ -100,7 +101,8 @@ class ValueAppender:
         differing = [key for key in MEANING if known[key] != entry[key]]
         detail = "; ".join(f"{key} {entry[key]!r} here, {known[key]!r} in the store" for key in differing)
         message = (
-            f"{KIND_WORDS[kind]} {name!r} means something else than in the store ({detail}); kept apart as {stored!r}"
+            f"{KIND_WORDS[kind]} {name!r} means something else than in the store ({detail}); kept apart as {stored!r}. "
+            f"Ask for both names when loading; or mend the mapping, and ingest with --replace"
         )
         return Finding("signal-variant", "warning", message, stream=name)
 

@@ -30,8 +30,8 @@ def test_two_touches_are_said_to_keep_what_the_fit_leaves(claimed, missing):
     """The sentence is of what the best fit leaves, which is not what the plain simulation misses."""
     said = Answer(naming(claimed, IN_TWO)).what
     assert (
-        "What the best fit leaves beyond the noise is nearly all in t3 and t9: look at these two touches."
-        f" {missing} would show in the others, too."
+        "What the best fit leaves beyond the noise is nearly all in t3 and t9: look at these two touches, which the"
+        f" page draws among those with the largest errors. {missing} would show in the others, too."
     ) in said
     none = Answer(naming(claimed, RemainingStructure(1.0, 1.0, ("t3", "t9")))).what
     assert not any("t3" in sentence for sentence in none)

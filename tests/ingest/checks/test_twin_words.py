@@ -8,6 +8,7 @@ from tactiledata.contract.take import findings_table
 from tactiledata.errors import MissingFile
 from tactiledata.ingest.checks.conflicts import conflict_findings
 from tactiledata.ingest.checks.twins import ABSOLUTE, overlaps, twin_rows, twins_of_store
+from tests.ingest.made_takes import frames
 
 
 class Tables:
@@ -17,7 +18,10 @@ class Tables:
         names = [f"s{row}" for row in range(n_sources)]
         self.manifest = {"sources": names}
         self._sources = pa.table({"sha256": names, "key": [f"log{row}" for row in range(n_sources)]})
-        self._touches = [{"uid": f"u{row}", "indenter": "ball4", **touch} for row, touch in enumerate(touches)]
+        self._touches = [
+            {"uid": f"u{row}", "trajectory": f"t{row}", "indenter": "ball4", **touch}
+            for row, touch in enumerate(touches)
+        ]
         self.location = "ds.zarr"
         table = findings_table([finding for _, finding in findings])
         column = pa.array([source for source, _ in findings], pa.int32())
@@ -29,6 +33,9 @@ class Tables:
     def trajectories(self, columns):
         rows = [{name: touch[name] for name in columns} for touch in self._touches]
         return pa.Table.from_pylist(rows)
+
+    def frames(self, columns):
+        return frames(0).select(columns)
 
     def read_file(self, name):
         raise MissingFile(name, "a file")

@@ -128,7 +128,7 @@ def test_a_fit_refuses_touches_that_two_recordings_hold(tiny_folders, tmp_path):
     for command in ("calibrate", "diagnose"):
         refused = CliRunner().invoke(app, [command, str(place), "--out", str(tmp_path / "out.json")]).exception
         assert isinstance(refused, TactileDataError)
-        assert "one recording is a copy of the other" in refused.found
+        assert "this recording is a copy" in refused.found
     store = Store.open(place)
     sensor = store.trajectories(["sensor"])["sensor"].to_pylist()[0]
     need_touches_once(store, "another sensor")

@@ -113,6 +113,14 @@ def test_the_last_part_of_a_name_is_enough_where_one_recording_alone_has_it():
     assert matches(Staged("c", "tuesday/run", stamps=[5]), monday, tuesday) == ["b"]
 
 
+def test_ends_of_its_path_are_names_of_a_recording():
+    """What came in by its last part, and later with its folder, is the same recording; another folder's is not."""
+    stored = [("a", "run", 1, (5,)), ("b", "monday/run", 1, (5,)), ("c", "tuesday/run", 1, (5,))]
+    names = ["run", "monday/run", "lab/monday/run"]
+    assert StoredRecordings(Tables(stored)).matches(Staged("d", "run", stamps=[5]), names) == ["a", "b"]
+    assert StoredRecordings(Tables(stored)).matches(Staged("d", "run", stamps=[6]), names) == []
+
+
 def test_a_whole_name_takes_its_recording_before_a_part_of_one_does():
     """Two staged copies, of which one has the whole name, replace the recording by that one, whatever their order."""
     stored = StoredRecordings(Tables([("a", "monday/run", 1, (5,))]))
@@ -172,7 +180,7 @@ class Known:
     def __init__(self, matches, held=()):
         self._matches, self._held = matches, held
 
-    def matches(self, staged):
+    def matches(self, staged, names):
         return self._matches.get(staged.sha256, [])
 
     def holds(self, staged):
@@ -301,7 +309,7 @@ def test_a_report_as_json_values():
         "store": "s.zarr", "unclaimed": ["x"], "stale_splits": ["default"], "fell_short": True,
         "findings": [vars(finding)], "simulated_recordings": {"simulated": 0, "real": 0, "not_stated": 0},
         "sources": [{
-            "key": "k", "name": "k", "place": "",
+            "key": "k", "name": "k",
                 "state": "failed", "status": "damaged", "frames": 1, "trajectories": 2, "kind": "real",
                 "copy_of": "",
             "error": "broken", "findings": [vars(finding)],

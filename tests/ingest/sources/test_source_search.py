@@ -56,7 +56,7 @@ def test_recordings_come_in_natural_order(tmp_path):
     """Numbers in names count as numbers; every part of a file is one, and what nobody claims is told."""
     tree(tmp_path, "run10.log", "run9.log", "b/x.bag", "notes.txt", "b/y.txt")
     assert found(tmp_path) == (
-        [("x.bag", "bag", "0"), ("x.bag~2", "bag", "1"), ("run9.log", "log", ""), ("run10.log", "log", "")],
+        [("x.bag/0", "bag", "0"), ("x.bag/1", "bag", "1"), ("run9.log", "log", ""), ("run10.log", "log", "")],
         ["y.txt", "notes.txt"],
     )
 
@@ -104,12 +104,12 @@ def test_files_that_belong_to_a_recording_are_not_unclaimed(tmp_path):
 
 
 def test_a_recording_that_is_named_twice_is_read_once(tmp_path):
-    """A recording that is named in several ways is read once; two of one name get numbers, from 2 on."""
+    """A recording that is named in several ways is read once; several of one name are told apart by their folders."""
     tree(tmp_path, "a/run.log", "b/run.log", "c/run.log", "d/other.log")
-    once = [("run.log", "log", ""), ("run.log~2", "log", ""), ("run.log~3", "log", ""), ("other.log", "log", "")]
+    once = [(name, "log", "") for name in ("a/run.log", "b/run.log", "c/run.log", "other.log")]
     assert found(tmp_path)[0] == once
     assert found(tmp_path, tmp_path / "a" / ".." / "a" / "run.log")[0] == once
-    assert found(tmp_path / "a" / "run.log", tmp_path / "d")[0] == [once[0], once[3]]
+    assert found(tmp_path / "a" / "run.log", tmp_path / "d")[0] == [("run.log", "log", ""), once[3]]
 
 
 def test_a_named_format_reads_what_it_is_given(tmp_path):
