@@ -40,7 +40,10 @@ def score(
     context: typer.Context,
     store: str = STORE_ARGUMENT,
     metric: str = typer.Option(
-        ..., "--metric", help="Comma-separated metrics: histogram_intersection, gram_style, tsne, kept_touch, …"
+        ...,
+        "--metric",
+        help="Comma-separated scores: histogram_intersection, histogram_correlation, gram_style, gram_style_random, "
+        "tsne, silhouette, knn_mixing, mmd, kept_touch.",
     ),
     against: str = typer.Option(
         None,

@@ -104,8 +104,8 @@ def _other_steps(calibration: Calibration) -> Section:
                  f"(bounds '{bounds.name}'). Where the simulation lacks physics, E, nu and mu make up for it as far as "
                  "they can. Then they are no properties of the gel."),
             ("", "A diagnosis (tactiledata diagnose) leaves E free, fits more trajectories and allows for errors of "
-                 "the simulation. Its plain E may lie outside these bounds, or outside the interval above. Neither of the "
-                 "two is right where physics is missing. With a named effect E changes again: the effect explains "
+                 "the simulation. Its plain E may lie outside these bounds, or outside the interval above. Neither E "
+                 "is right where physics is missing. With a named effect E changes again: the effect explains "
                  "what E had made up for. Take that value for the gel."),
             ("", "A replay takes the values that it is given, and its mesh states them."),
         ],

@@ -14,6 +14,7 @@ from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
 from tactiledata.contract.simulated import SimulatedCount
 from tactiledata.contract.wording import counted
 from tactiledata.export import EXPORTERS
+from tactiledata.splits.options import PARTITIONS
 
 if TYPE_CHECKING:
     from tactiledata.export.export import ExportReport
@@ -77,7 +78,8 @@ def _say(report: ExportReport) -> None:
     document = report.document
     if sentence := SimulatedCount(**document["simulated_recordings"]).sentence:
         say(sentence)
-    rows = [(part, each["trajectories"], each["frames"], each["in_split"]) for part, each in document["parts"].items()]
+    parts = sorted(document["parts"].items(), key=lambda one: (*PARTITIONS, one[0]).index(one[0]))
+    rows = [(part, each["trajectories"], each["frames"], each["in_split"]) for part, each in parts]
     table(f"{report.folder}", ("part", "trajectories", "frames", "in the split"), rows)
     for sentence in document["remarks"]:
         say(f"note: {sentence}")

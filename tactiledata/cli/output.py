@@ -102,7 +102,7 @@ def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> 
         Cells; integers get thousands separators.
     """
     cells = [list(row) for row in rows]
-    drawn = Table(title=plain(title) if title else None, title_justify="left", box=None, pad_edge=False)
+    drawn = Table(box=None, pad_edge=False)
     for position, column in enumerate(columns):
         numeric = bool(cells) and all(isinstance(row[position], int | float) for row in cells)
         drawn.add_column(column, justify="right" if numeric else "left", overflow="fold")
@@ -111,6 +111,8 @@ def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> 
     console = out()
     if not console.is_terminal:
         console = Console(file=sys.stdout, width=200, highlight=False)
+    if title:  # of a table's own title a narrow table makes several lines
+        console.print(plain(title), style="italic", soft_wrap=True)
     console.print(drawn)
 
 
