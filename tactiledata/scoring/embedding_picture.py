@@ -87,8 +87,10 @@ def draw_embedding(
     figure = Figure(figsize=(5.2 * len(drawn), 5.6), layout="constrained")
     FigureCanvasAgg(figure)
     for axes, (kind, sets) in zip(np.atleast_1d(figure.subplots(1, len(drawn))), drawn.items(), strict=True):
-        for name, places in sets.items():
-            axes.scatter(places[:, 0], places[:, 1], s=9, alpha=0.7, label=f"{name} ({kinds[name]})" if kinds else name)
+        for position, (name, places) in enumerate(sets.items()):
+            # of points in one place the larger lie below: a set that another covers is still seen
+            size, label = 9 + 12 * (len(sets) - 1 - position), f"{name} ({kinds[name]})" if kinds else name
+            axes.scatter(places[:, 0], places[:, 1], s=size, alpha=0.7, label=label, linewidths=0)
         axes.set(title=f"t-SNE of {kind}", xticks=[], yticks=[])
         axes.legend(fontsize="small", loc="upper center", bbox_to_anchor=(0.5, -0.01))
     if heading:

@@ -2,6 +2,7 @@
 
 import json
 
+import cv2
 import numpy as np
 import pyarrow as pa
 import pytest
@@ -176,6 +177,25 @@ def test_embedding_is_drawn(store, tmp_path):
     assert set(drawn) == {"pixels", "pixels - background"}
     assert {name: places.shape for name, places in drawn["pixels"].items()} == {one.name: (8, 2) for one in sets}
     assert draw_embedding(drawn, tmp_path / "new" / "tsne.png").stat().st_size > 1000
+
+
+def test_a_set_that_another_covers_is_still_seen(tmp_path):
+    """Of two sets in the same places both colours are in the panel, not in the legend alone."""
+    pytest.importorskip("matplotlib")
+    places = np.array([[x, y] for x in range(4) for y in range(3)], float)
+    picture = cv2.imread(str(draw_embedding({"pixels": {"a": places, "b": places}}, tmp_path / "tsne.png")))
+    panel = picture[: int(0.8 * len(picture))].astype(int)
+    blue, orange = (panel[..., 0] - panel[..., 2] > 60).sum(), (panel[..., 2] - panel[..., 0] > 60).sum()
+    assert min(blue, orange) > 30
+
+
+def test_the_help_names_every_score_of_sets(capsys):
+    """What `--metric` takes stands in its help, whole."""
+    _, out, _ = run_command(capsys, "score", "--help")
+    shown = " ".join(out.replace("│", " ").split())
+    able = [kind for kind in METRICS if METRICS[kind].takes in ("image sets", "latent sets")]
+    scores = {name for kind in able for name in METRICS[kind].scores} - {"shade_gap"}
+    assert [name for name in sorted(scores) if name not in shown] == []
 
 
 def test_names_of_scores_and_metrics():

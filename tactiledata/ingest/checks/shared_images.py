@@ -39,8 +39,10 @@ def touches_of_same_images(frames: pa.Table, source: NDArray[np.int64]) -> set[t
         Pairs of touches that share three different images at least, and half of those of one of the two.
     """
     there = frames.filter(pc.not_equal(frames["encoding"].cast(pa.string()), "missing"))
+    if not there.num_rows:
+        return set()
     facts = np.stack([there[name].to_numpy().astype(np.int64) for name in ("crc32c", "height", "width")], axis=1)
-    image = np.unique(facts, axis=0, return_inverse=True)[1].ravel() if len(facts) else np.empty(0, np.int64)
+    image = np.unique(facts, axis=0, return_inverse=True)[1].ravel()
     held = np.unique(np.stack([image, there["trajectory"].to_numpy().astype(np.int64)], axis=1), axis=0)
     of_touch = Counter(held[:, 1].tolist())
     begins = np.flatnonzero(np.diff(held[:, 0], prepend=-1))

@@ -278,9 +278,9 @@ def _split(store: Store, split: str) -> Section:
         ("", f"The split {split!r} divides whole trajectories. Held out for test_unseen: {held or 'nothing'}.")
     ]
     loaded = read_split(store, split)
-    taken = sum(count["frames"] for count in counts.values())
+    taken = sum(counts[part]["frames"] for part in PARTITIONS)
     filtered = f" with a contact force of {loaded.force[0]:g} to {loaded.force[1]:g} N" if loaded.force else ""
-    sentences.append(("info", f"It takes whole images{filtered}: {taken:,} of {store.n_frames:,}."))
+    sentences.append(("info", f"It takes whole images{filtered}: its parts hold {taken:,} of {store.n_frames:,}."))
     sentences += [(finding.severity, f"{finding.message}.") for finding in parts_without(store, loaded)]
     if flags := flagged_in_parts(store, loaded):
         words = f"Flagged since it was drawn: {flag_words(flags, SHOWN)}. Draw it again, which leaves them out."

@@ -1,6 +1,7 @@
 """The page about a store, part by part, over stores that are only their tables."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pyarrow as pa
@@ -42,6 +43,7 @@ class Tables:
 
     location = "my.zarr"
     digest = "d1gest"
+    n_frames = 57
 
     def __init__(self, table=None, touches=(), signals=("contact_wrench",), **parts):
         self.table = frames(0) if table is None else table
@@ -291,10 +293,13 @@ def counts(**given):
     }
 
 
-def described(monkeypatch, held_out, problem=""):
+def described(monkeypatch, held_out, problem="", force=(1.0, 13.0)):
     document = {"counts": counts(train=3), "held_out": held_out, "options": {"a": 1}}
     monkeypatch.setattr(module, "read_split_document", lambda store, name: document)
-    monkeypatch.setattr(module, "read_split", lambda store, name: None)
+    monkeypatch.setattr(module, "read_split", lambda store, name: SimpleNamespace(force=force))
+    monkeypatch.setattr(
+        module, "parts_without", lambda store, split: [Finding("split-empty-part", "warning", "no val")]
+    )
     monkeypatch.setattr(module, "coverage_problem", lambda split, uids: problem)
     monkeypatch.setattr(module, "flagged_in_parts", lambda store, split: [])
     monkeypatch.setattr(module, "command", lambda location, name, options: f"draw {location} {name} {options}")
@@ -307,17 +312,21 @@ def test_a_split_is_described(monkeypatch):
     assert found.rows[0] == ("train", 3, 30)
     assert [part for part, _, _ in found.rows] == [*PARTITIONS, "excluded"]
     assert [text for _, text in found.sentences] == [
-        "The split 'mine' divides whole trajectories. Held out for test_unseen: sensor D1, D2."
+        "The split 'mine' divides whole trajectories. Held out for test_unseen: sensor D1, D2.",
+        "It takes whole images with a contact force of 1 to 13 N: its parts hold 30 of 57.",
+        "no val.",
     ]
     assert found.code == []
     nothing = described(monkeypatch, {"sensor": []})
     assert nothing.sentences[0][1].endswith("for test_unseen: nothing.")
+    unfiltered = described(monkeypatch, {}, force=None)
+    assert unfiltered.sentences[1] == ("info", "It takes whole images: its parts hold 30 of 57.")
 
 
 def test_a_split_that_is_out_of_date_is_drawn_again(monkeypatch):
     """The page names the command that draws a split anew which is out of date."""
     found = described(monkeypatch, {}, "1 new")
-    assert found.sentences[1] == (
+    assert found.sentences[3] == (
         "warning",
         "The split is out of date: 1 new. Draw it again; until then it cannot be loaded.",
     )

@@ -29,7 +29,7 @@ def days(tiny_mcaps, tmp_path):
         (["/a/x/run", "/b/x/run", "/run"], [], ["a/x/run", "b/x/run", "run"]),
         (["/a/run", "/b/other"], [], ["run", "other"]),
         (["/a/run", "/b/other"], ["run"], ["a/run", "other"]),
-        (["/a/run"], ["run", "a/run"], ["run~2"]),
+        (["/a/run"], ["run", "a/run"], ["a/run~2"]),
         (["/a/run", "/b/run"], ["a/run"], ["a/run~2", "b/run"]),
         (["/a/run", "/a/run"], [], ["a/run", "a/run~2"]),
     ],
