@@ -12,10 +12,10 @@ import sys
 import tempfile
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -182,13 +182,33 @@ def _folder_beside(out: Path) -> Iterator[Path]:
         try:
             with (left / LOCK).open("rb") as lock:
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except FileNotFoundError:  # killed before it had its lock; a live process that loses it makes another
+            with suppress(OSError):
+                left.rmdir()
+            continue
         except OSError:  # another process writes there
             continue
         shutil.rmtree(left, ignore_errors=True)
-    place = tempfile.TemporaryDirectory(prefix=f".{out.name}.", suffix=".part", dir=out.parent)
-    with place as folder, (Path(folder) / LOCK).open("wb") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        yield Path(folder)
+    folder, held = _locked_folder(out)
+    with held:
+        try:
+            yield folder
+        finally:
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+def _locked_folder(out: Path) -> tuple[Path, BinaryIO]:
+    """Make a folder beside a file, and its lock, held; another where a process that starts took it for a leftover."""
+    while True:
+        folder = Path(tempfile.mkdtemp(prefix=f".{out.name}.", suffix=".part", dir=out.parent))
+        try:
+            held = (folder / LOCK).open("wb")
+        except FileNotFoundError:
+            continue
+        fcntl.flock(held, fcntl.LOCK_EX)
+        if (folder / LOCK).exists():
+            return folder, held
+        held.close()
 
 
 def _application(store: Store) -> str:

@@ -1,5 +1,6 @@
 """A view holds what the store holds: read back with rerun's reader, value for value."""
 
+import fcntl
 import json
 import multiprocessing
 import os
@@ -383,6 +384,18 @@ def test_killed_while_writing_the_file_is_whole(planted, tmp_path):
     assert left
     write_view(Store.open(planted), path, ViewOptions(most=2, pictures=3))
     assert [place.name for place in tmp_path.iterdir()] == ["view.rrd"]
+
+
+@pytest.mark.slow
+def test_what_a_killed_process_left_without_a_lock_is_taken_away(planted, tmp_path):
+    """A process may die between the making of its folder and of its lock; a folder that is held stays."""
+    (tmp_path / ".view.rrd.abc.part").mkdir()
+    held = tmp_path / ".view.rrd.held.part"
+    held.mkdir()
+    with (held / "lock").open("wb") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        write_view(Store.open(planted), tmp_path / "view.rrd", ViewOptions(most=1, pictures=1))
+        assert sorted(place.name for place in tmp_path.iterdir()) == [held.name, "view.rrd"]
 
 
 @pytest.mark.slow
