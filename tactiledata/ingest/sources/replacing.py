@@ -168,6 +168,8 @@ def replace_recordings(
 
     Parameters
     ----------
+    folder : Path
+        The store.
     read : iterable of (key, staged take, error)
         All are staged before any is committed: which replaces which is known only then.
     names : mapping, key -> collection of str
