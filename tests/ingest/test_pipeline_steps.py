@@ -27,7 +27,7 @@ from tests.ingest.sources.test_replacing_plan import Staged
 
 
 def task(key="run"):
-    return pipeline._Task(Source("p", key, "folder", ()), "store", IngestOptions(), frozenset(), False)
+    return pipeline._Task(Source("p", key, "folder", ()), key, "store", IngestOptions(), frozenset(), False)
 
 
 def outcome(sha256=None, staged=None, error=None, key="run"):
@@ -198,7 +198,7 @@ def test_twins_and_conflicts_are_added_to_the_reports(monkeypatch, tmp_path):
     before = (Finding("before", "info", "b"),)
     states = {"a": "added", "r": "replaced", "p": "present"}
     reports = [SourceReport(name, state, findings=before, sha256=name) for name, state in states.items()]
-    found = pipeline._compared([*reports, SourceReport("f", "failed")], tmp_path, {})
+    found = pipeline._compared([*reports, SourceReport("f", "failed")], tmp_path)
     assert asked == [["a", "r"]]
     assert [[one.code for one in report.findings] for report in found] == [
         ["before", "one", "two", "twin"], ["before"], ["before", "twin"], [],

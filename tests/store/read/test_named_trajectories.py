@@ -8,13 +8,14 @@ import pytest
 
 from tactiledata.errors import UnknownName, UsageError
 from tactiledata.ingest.pipeline import ingest
+from tactiledata.store.change.merge import merge
 from tactiledata.store.read.named_trajectories import full_names, named_trajectories
 from tactiledata.store.read.reader import Store
 
 
 @pytest.fixture
 def twice(tiny_mcaps, tmp_path):
-    """A store of two files of one name whose touches have the same names, and the digests of these files."""
+    """A merged store of two files of one name whose touches have the same names, and the digests of these files."""
     digests = []
     for number in range(2):
         place = tmp_path / str(number) / "run.mcap"
@@ -23,7 +24,8 @@ def twice(tiny_mcaps, tmp_path):
         with place.open("ab") as stream:
             stream.write(b"x" * number)
         digests.append(hashlib.sha256(place.read_bytes()).hexdigest())
-        ingest([place], tmp_path / "ds.zarr")
+        ingest([place], tmp_path / f"{number}.zarr")
+    merge([tmp_path / "0.zarr", tmp_path / "1.zarr"], tmp_path / "ds.zarr")
     return Store.open(tmp_path / "ds.zarr"), digests
 
 
