@@ -80,9 +80,11 @@ def _change(location: str, names: list[str], reason: str | None, as_json: bool) 
     """Flag trajectories where there is a reason, else take their flags off; say what changed, and what comes next."""
     from tactiledata.cli.next_steps import next_steps
     from tactiledata.store.change.flag import flag_trajectories, remove_flags
+    from tactiledata.store.read.flags import flagged_trajectories, is_of_copy
     from tactiledata.store.read.reader import Store
 
-    rows = _copies(Store.open(location), names)
+    opened = Store.open(location)
+    rows, before = _copies(opened, names), {flag.name: flag.reason for flag in flagged_trajectories(opened).values()}
     if reason is None:
         changed, done = remove_flags(location, names), "no longer flagged"
     else:
@@ -93,15 +95,16 @@ def _change(location: str, names: list[str], reason: str | None, as_json: bool) 
         emit({"store": location, "changed": changed, "state": done, "flagged": _flagged(location), "copies": copies})
         return
     for name in changed:
-        say(f"{done}: {name}")
+        replaced = f" (before: {before[name]})" if reason is not None and name in before else ""
+        say(f"{done}: {name}{replaced}")
     if not changed:
-        say("nothing to change: flagged already, with this reason")
+        say("nothing to change: flagged already")
     if copies:
         option = ["--remove"] if reason is None else ["--reason", reason]
         state, wish = ("stay flagged", "take these flags off") if reason is None else ("stay in splits", "flag these")
         say(f"the same touches are in other recordings, and {state} there: {listed(copies, MOST_COPIES)}")
         # of a recording that was left out as a copy, the other one is wanted
-        if reason is None or _are_touches(store, names):
+        if reason is None or (_are_touches(store, names) and not is_of_copy(reason)):
             say(f"to {wish}, too: {shlex.join(['tactiledata', 'flag', location, *copies, *option])}")
     if store.split_names():
         for line in next_steps(store):

@@ -11,6 +11,12 @@ from tactiledata.cli.explain import damage_explains
 from tactiledata.cli.given_values import need_seed
 from tactiledata.cli.output import JSON_OPTION, emit, findings, progress, say, table
 from tactiledata.cli.working_store import STORE_ARGUMENT, working_store
+from tactiledata.contract.wording import listed
+
+OF_COPIES = {"identical-image", "near-duplicate-image"}
+"""Leaks by images of recordings that are copies of one another."""
+MOST_COPIES = 4
+"""Recordings that a note on copies names."""
 
 
 def register(app: typer.Typer) -> None:
@@ -45,8 +51,10 @@ def split(
 
     Example: tactiledata split --by trajectory,sensor
     """
+    from tactiledata.ingest.checks.twins import twins_of_store
     from tactiledata.splits.make import make_split
     from tactiledata.store.read.reader import Store
+    from tactiledata.store.read.recording_names import recording_names
 
     need_seed(seed)
     location = working_store(store)
@@ -55,8 +63,10 @@ def split(
         report = make_split(
             opened, name, by, hold_out, fractions, force, seed, replace=replace, with_flagged=with_flagged
         )
+        keys = recording_names(opened)
+        copies = [keys[row] for row in twins_of_store(opened)]
     if as_json:
-        emit(report.document())
+        emit({**report.document(), "copies": copies})
         return
     rows = [(part, count.trajectories, count.frames) for part, count in report.counts.items()]
     table(f"split {report.name!r} of {opened.location}", ("part", "trajectories", "frames"), rows)
@@ -64,7 +74,16 @@ def split(
         say(f"held out for test_unseen: {kind} {', '.join(names)}")
     for note in report.notes:
         say(f"note: {note}")
+    if copies:
+        shared = f"recordings that hold touches of each other: {listed(copies, MOST_COPIES)}"
+        say(f"note: {shared}. {_flag_them(opened.location)}")
     say(f"next: {shlex.join(['tactiledata', 'audit', opened.location, '--split', report.name])}")
+
+
+def _flag_them(location: str) -> str:
+    """Say where a person finds the command that flags copies."""
+    shown = shlex.join(["tactiledata", "info", location])
+    return f"`{shown}` names the recordings that are copies, and the command that flags them"
 
 
 def audit(
@@ -100,5 +119,7 @@ def audit(
     else:
         findings((split, finding) for finding in report.findings)
         say(report.lines()[0])
+        if {finding.code for finding in report.leaks} & OF_COPIES:
+            say(f"copies of images: {_flag_them(opened.location)}")
     if report.leaks:
         raise typer.Exit(1)

@@ -283,7 +283,7 @@ def _worst_two(left: RemainingStructure, missing: str) -> list[str]:
         return []
     return [
         f"What the best fit leaves beyond the noise is nearly all in {joined_names(left.worst_two)}: look at these two"
-        " touches, which the page draws among those with the largest errors."
+        " touches, which the page draws among its single trajectories."
         f" {missing} physics would show in the others, too."
     ]
 

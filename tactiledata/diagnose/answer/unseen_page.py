@@ -309,13 +309,13 @@ def _overlays(naming: NamingResult, shown: HeldOutComparison) -> Section:
     named = [number for number, case in enumerate(naming.whitened.touch_set.touches) if case.name in in_few]
     pictures = [_overlay(naming, shown, number) for number in dict.fromkeys([*worst, *named])]
     caption = (
-        "Contact force over time, gel frame. Dots are measured, lines are simulated. Each trajectory is predicted by "
-        "numbers that were fitted to others."
+        "Contact force over time, gel frame, where the plain simulation errs most. Dots are measured, lines are "
+        "simulated. Each trajectory is predicted by numbers that were fitted to others."
     )
     if in_few:
-        caption += f" Nearly all that the best fit leaves is in {joined_names(in_few)}."
+        caption += f" {joined_names(in_few)} hold nearly all that the best fit leaves."
     picture = panels_of(draw_overlays(pictures), caption)
-    return Section("Trajectories with the largest errors of the plain simulation", pictures=[picture])
+    return Section("Measured and simulated forces of single trajectories", pictures=[picture])
 
 
 def _overlay(naming: NamingResult, shown: HeldOutComparison, number: int) -> OverlayPicture:

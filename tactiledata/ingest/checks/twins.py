@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 
 from tactiledata.contract.records import Finding
-from tactiledata.contract.wording import counted, listed
+from tactiledata.contract.wording import agreeing, counted, listed
 from tactiledata.errors import TactileDataError
 from tactiledata.ingest.checks.shared_images import IMAGE_COLUMNS, touches_of_same_images
-from tactiledata.store.read.flags import flagged_trajectories
+from tactiledata.store.read.flags import COPY, flagged_trajectories, is_of_copy
 from tactiledata.store.read.named_trajectories import full_names
 from tactiledata.store.read.reader import Store
 from tactiledata.store.read.recording_names import recording_names
@@ -38,52 +38,74 @@ Pairs = dict[int, dict[int, int]]
 def twins_of_store(store: Store) -> dict[int, Finding]:
     """A finding for each recording of a store that has a twin there, by its row of the table of sources.
 
-    Flagged trajectories are left out: somebody chose already which of two copies splits take.
+    What is flagged as a copy is left out: somebody chose already which of two copies splits take. A touch that is
+    flagged as bad is bad in every copy.
     """
     names, touches = recording_names(store), _touches(store)
     pairs = _pairs(store, touches)
-    differs = _other_indenters(touches, pairs)
+    differs, bad = _other_indenters(touches, pairs), _flagged_elsewhere(touches, pairs)
     found = {}
     for row, others in sorted(_counted(touches, pairs).items()):
-        copies = [
-            one for one, other in pairs if (touches[one]["source"], touches[other]["source"]) == (row, min(others))
-        ]
-        command = _flag_command(store, touches, copies, f"a copy of {names[min(others)]}")
-        found[row] = twin_finding(names, others, f"{differs.get(row, '')}. Splits leave this one out after: {command}")
+        first = min(others)
+        here = [pair for pair in pairs if touches[pair[0]]["source"] == row and not touches[pair[0]]["flag"]]
+        copies = [one for one, other in here if touches[other]["source"] == first or touches[other]["flag"]]
+        remedy = f"{differs.get(row, '')}{bad.get(row, '')}"
+        if copies:
+            remedy += f". Splits leave this one out after: {_flag_command(store, touches, copies, names[first])}"
+        found[row] = twin_finding(names, others, remedy or "; those here are flagged")
     return found
 
 
 def _touches(store: Store) -> list[dict[str, Any]]:
-    """The trajectories of a store, each with what tells whether it is another, and whether it is flagged."""
+    """The trajectories of a store, each with what tells whether it is another, and the reason of its flag."""
     flagged = flagged_trajectories(store)
     touches = store.trajectories(["uid", "indenter", *COLUMNS]).to_pylist()
-    return [{**touch, "flagged": touch["uid"] in flagged} for touch in touches]
+    return [{**touch, "flag": flagged[touch["uid"]].reason if touch["uid"] in flagged else ""} for touch in touches]
 
 
 def _pairs(store: Store, touches: Sequence[Mapping[str, Any]]) -> list[tuple[int, int]]:
-    """Rows of touches of two recordings that are one touch, both ways round, of those that are not flagged."""
+    """Rows of touches of two recordings that are one touch, both ways round.
+
+    Pairs of which one is flagged as a copy, or both as bad, are left out: nothing is to be done about them.
+    """
     source = np.array([touch["source"] for touch in touches], np.int64)
     alike = touches_of_same_images(store.frames(list(IMAGE_COLUMNS)), source)
     met = {*_meetings(touches), *(pair for pair in alike if not any(touches[row]["parent"] for row in pair))}
-    return sorted(pair for pair in met if not any(touches[row].get("flagged") for row in pair))
+    flags = {pair: [touches[row].get("flag", "") for row in pair] for pair in met}
+    return sorted(pair for pair, said in flags.items() if not all(said) and not any(map(is_of_copy, said)))
 
 
-def _flag_command(store: Store, touches: Sequence[Mapping[str, Any]], copies: Collection[int], reason: str) -> str:
+def _flagged_elsewhere(touches: Sequence[Mapping[str, Any]], pairs: Iterable[tuple[int, int]]) -> dict[int, str]:
+    """Say, for each recording, of how many touches that are not flagged a copy is flagged as bad, and one reason."""
+    met: dict[int, dict[int, str]] = {}
+    for one, other in pairs:
+        if touches[other]["flag"]:
+            met.setdefault(touches[one]["source"], {})[one] = touches[other]["flag"]
+    return {
+        source: f"; {counted(len(of_touches), 'trajectory')} of it {agreeing(len(of_touches), 'is', 'are')} flagged"
+        f" there ({of_touches[min(of_touches)]}) and not here"
+        for source, of_touches in met.items()
+    }
+
+
+def _flag_command(store: Store, touches: Sequence[Mapping[str, Any]], copies: Collection[int], origin: str) -> str:
     """The command that flags touches: by the names of recordings where these are all that they hold, else by their own.
 
     Parameters
     ----------
     copies : collection of int
         Rows of the trajectories to be flagged.
+    origin : str
+        What they are copies of.
     """
     recordings, full = recording_names(store), full_names(store)
     wanted = set(copies)
     whole = {
-        source: all(row in wanted or touch["flagged"] for row, touch in enumerate(touches) if touch["source"] == source)
+        source: all(row in wanted or touch["flag"] for row, touch in enumerate(touches) if touch["source"] == source)
         for source in {touches[row]["source"] for row in wanted}
     }
     said = [recordings[source] if whole[source := touches[row]["source"]] else full[row] for row in sorted(wanted)]
-    return shlex.join(["tactiledata", "flag", store.location, *dict.fromkeys(said), "--reason", reason])
+    return shlex.join(["tactiledata", "flag", store.location, *dict.fromkeys(said), "--reason", f"{COPY} {origin}"])
 
 
 def _other_indenters(touches: Sequence[Mapping[str, Any]], pairs: Iterable[tuple[int, int]]) -> dict[int, str]:
@@ -121,20 +143,25 @@ def need_touches_once(store: Store, sensor: str | None = None) -> None:
     if not pairs:
         return
     names, source = recording_names(store), [touch["source"] for touch in touches]
-    # of each pair the one that came later
-    copies = {max(pair, key=lambda row: source[row]): min(pair, key=lambda row: source[row]) for pair in pairs}
+    # of each pair the one that is not flagged, else the one that came later
+    copies = {}
+    for pair in pairs:
+        first, last = sorted(pair, key=lambda row: (not touches[row]["flag"], source[row]))
+        copies[last] = first
     original = {source[copy]: source[one] for copy, one in copies.items()}
     counts = Counter(source[copy] for copy in copies)
+    bad = _flagged_elsewhere(touches, pairs)
     said = [
-        f"{counted(counts[row], 'trajectory')} of {names[row]} as in {names[original[row]]}" for row in sorted(counts)
+        f"{counted(counts[row], 'trajectory')} of {names[row]} as in {names[original[row]]}{bad.get(row, '')}"
+        for row in sorted(counts)
     ]
     is_one = len(said) == 1
-    reason = f"a copy of {names[next(iter(original.values()))]}" if is_one else "copies of other recordings"
+    origin = names[next(iter(original.values()))] if is_one else "another recording"
     raise TactileDataError(
         f"{store.location}: {listed(said, MOST_SAID)}, by the same sensor at the same time, or with the same images: "
         f"{'this recording is a copy' if is_one else 'these recordings are copies'}",
-        "each touch once: a fit counts a copy twice, and holds out what it also fits",
-        f"Flag {'it' if is_one else 'them'}: {_flag_command(store, touches, copies, reason)}",
+        "each touch once, and none whose copy is flagged: a fit counts a copy twice, and holds out what it also fits",
+        f"Flag {'it' if is_one else 'them'}: {_flag_command(store, touches, copies, origin)}",
     )
 
 

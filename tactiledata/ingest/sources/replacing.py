@@ -68,6 +68,14 @@ class StoredRecordings:
         ]
         return same if len(same) == 1 else []
 
+    def alike(self, staged: StagedTake) -> list[str]:
+        """Names of the sources that hold an image or stamps of a staged recording, whatever they are called."""
+        return [source["key"] for row, source in enumerate(self._sources) if self._is_same_touch(row, staged)]
+
+    def key(self, sha256: str) -> str:
+        """The name of a source."""
+        return next(source["key"] for source in self._sources if source["sha256"] == sha256)
+
     def is_exact(self, staged: StagedTake) -> bool:
         """Whether a source has the files, or the whole name, of a staged recording."""
         key, sha256 = staged.document["key"], staged.sha256
@@ -177,9 +185,12 @@ def replace_recordings(
     """
     outcomes = list(read)
     takes = [staged for _, staged, _ in outcomes if staged is not None]
-    chosen = plan(StoredRecordings(Store.open(folder)), takes, names)
-    reports = [_report(key, staged, error, chosen) for key, staged, error in outcomes]
-    findings = replace_takes(folder, chosen.replacements) if chosen.replacements else []
+    stored = StoredRecordings(Store.open(folder))
+    chosen = plan(stored, takes, names)
+    reports = [_report(key, staged, error, chosen, stored) for key, staged, error in outcomes]
+    # what comes in the place of another keeps its name: flags and commands go by it
+    replacements = {sha256: take and take.renamed(stored.key(sha256)) for sha256, take in chosen.replacements.items()}
+    findings = replace_takes(folder, replacements) if replacements else []
     new = {take.sha256: take for take in chosen.new}
     commit_groups(folder, new.values())
     for take in chosen.held:
@@ -187,7 +198,7 @@ def replace_recordings(
     return reports, findings
 
 
-def _report(key: str, staged: StagedTake | None, error: str, chosen: Plan) -> SourceReport:
+def _report(key: str, staged: StagedTake | None, error: str, chosen: Plan, stored: StoredRecordings) -> SourceReport:
     if staged is None:
         return SourceReport(key, "failed", error=error)
     state = chosen.state(staged)
@@ -196,4 +207,9 @@ def _report(key: str, staged: StagedTake | None, error: str, chosen: Plan) -> So
     if state == "replaced":
         return report_of(key, state, staged)
     text = "nothing in the store is this recording (same files, or same name and an image or signal in common); added"
+    if alike := stored.alike(staged):
+        text += (
+            f". {alike[0]} holds images or times of it: to put this one in its place, give it the name"
+            f" {PurePosixPath(alike[0]).name}, and ingest it with --replace again"
+        )
     return report_of(key, state, staged, Finding("nothing-replaced", "info", text))

@@ -13,7 +13,7 @@ from tactiledata.errors import UsageError
 from tactiledata.store.layout.flag_file import FlagEntries, write_flags
 from tactiledata.store.layout.lock import waiting_lock
 from tactiledata.store.layout.places import FLAGS_LOCK
-from tactiledata.store.read.flags import flag_origins, flagged_trajectories, stored_flags
+from tactiledata.store.read.flags import flag_origins, flagged_trajectories, is_of_copy, stored_flags
 from tactiledata.store.read.named_trajectories import full_names, named_trajectories
 from tactiledata.store.read.reader import Store
 from tactiledata.store.write.commit import store_errors
@@ -36,7 +36,8 @@ def _changing_flags(folder: Path) -> Iterator[FlagEntries]:
 def flag_trajectories(store_path: Path | str, names: Sequence[str], reason: str) -> list[str]:
     """Flag trajectories as bad; return the full names of those whose flag is new or has another reason than before.
 
-    All of them are flagged, or none: the file of flags is written once, whole. The same call again is no change.
+    All of them are flagged, or none: the file of flags is written once, whole. The same call again is no change. One
+    that is flagged already keeps its reason where the new one says only that it is a copy.
 
     Parameters
     ----------
@@ -74,7 +75,8 @@ def flag_trajectories(store_path: Path | str, names: Sequence[str], reason: str)
     with _changing_flags(folder) as entries:
         for row in rows:
             facts = table[row]
-            if entries.get(facts["uid"], {}).get("reason") == said:
+            before = entries.get(facts["uid"], {}).get("reason", "")
+            if before == said or (before and is_of_copy(said)):
                 continue
             entries[facts["uid"]] = {
                 "trajectory": facts["trajectory"],

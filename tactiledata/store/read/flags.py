@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -13,6 +14,23 @@ from tactiledata.store.read.recording_names import recording_names
 
 if TYPE_CHECKING:
     from tactiledata.store.read.reader import Store
+
+
+COPY = "a copy of"
+"""How the reason of a touch begins that is left out because another recording holds it, too."""
+OF_COPY = re.compile(r"\b(copy|copies|duplicates?|twins?)\b", re.IGNORECASE)
+"""What a person writes of such a touch."""
+
+
+def is_of_copy(reason: str) -> bool:
+    """Whether a reason says that a touch is left out as a copy, and not that it is bad.
+
+    Examples
+    --------
+    >>> is_of_copy("a copy of monday/run1.mcap"), is_of_copy("the gel slipped")
+    (True, False)
+    """
+    return OF_COPY.search(reason) is not None
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import hashlib
 import json
 import shutil
@@ -56,6 +57,10 @@ class StagedTake:
     n_bytes: int
     document: Mapping[str, Any]
     is_placed: bool = False
+
+    def renamed(self, key: str) -> StagedTake:
+        """The take under another name of its recording."""
+        return dataclasses.replace(self, document={**self.document, "key": key})
 
     def table(self, name: str) -> pa.Table:
         """``frames``, ``trajectories`` or ``findings``, rows local to the take."""

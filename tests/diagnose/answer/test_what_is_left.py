@@ -31,7 +31,7 @@ def test_two_touches_are_said_to_keep_what_the_fit_leaves(claimed, missing):
     said = Answer(naming(claimed, IN_TWO)).what
     assert (
         "What the best fit leaves beyond the noise is nearly all in t3 and t9: look at these two touches, which the"
-        f" page draws among those with the largest errors. {missing} would show in the others, too."
+        f" page draws among its single trajectories. {missing} would show in the others, too."
     ) in said
     none = Answer(naming(claimed, RemainingStructure(1.0, 1.0, ("t3", "t9")))).what
     assert not any("t3" in sentence for sentence in none)

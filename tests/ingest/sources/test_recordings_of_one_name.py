@@ -76,10 +76,11 @@ def test_an_edited_recording_finds_its_own_among_those_of_one_name(tiny_folders,
     edited = copy_tree(logs[1], tmp_path / "elsewhere" / "log") if moved else logs[1]
     (edited / "log.yaml").write_text((edited / "log.yaml").read_text() + "\n# edited\n")
     [source] = ingest([edited], store, replace=True).sources
-    assert source.state == "replaced"
+    assert (source.state, source.words) == ("replaced", "tue/log")
     after = Store.open(store).sources(["sha256"])["sha256"].to_pylist()
     assert len(after) == 2
     assert set(before) - set(after) == {before[1]}
+    assert Store.open(store).sources(["key"])["key"].to_pylist() == ["mon/log", "tue/log"]
 
 
 def test_inspect_takes_several_paths(tiny_mcaps, capsys):

@@ -29,6 +29,10 @@ class Staged:
             "signals": {f"s{n}": {"arrays": {"log_ns": {"crc32c": crc}}} for n, crc in enumerate(stamps)},
         }  # fmt: skip
 
+    def renamed(self, key):
+        self.document["key"] = key
+        return self
+
     def table(self, name):
         if name == "trajectories":
             return pa.table({"a": [1, 2]})
@@ -189,6 +193,12 @@ class Known:
     def is_exact(self, staged):
         return True
 
+    def alike(self, staged):
+        return ["mon/a"] if staged.sha256 == "n" else []
+
+    def key(self, sha256):
+        return f"old {sha256}"
+
 
 def planned(takes, matches, held=()):
     made = [Staged(sha) for sha in takes]
@@ -232,14 +242,21 @@ def test_what_was_replaced_is_committed_and_reported(monkeypatch, tmp_path):
     said = [Finding("b", "info", "b")]
     monkeypatch.setattr(replacing, "Store", type("Store", (), {"open": staticmethod(lambda folder: None)}))
     monkeypatch.setattr(replacing, "StoredRecordings", lambda store: Known({"a": ["a"], "h": ["h"]}, ["h"]))
-    monkeypatch.setattr(replacing, "replace_takes", lambda folder, found: done.append(list(found)) or said)
+    monkeypatch.setattr(
+        replacing,
+        "replace_takes",
+        lambda folder, found: done.append([(sha, take.document["key"]) for sha, take in found.items()]) or said,
+    )
     monkeypatch.setattr(replacing, "commit_groups", lambda folder, takes: done.append([one.sha256 for one in takes]))
     takes = {sha: Staged(sha) for sha in ("a", "h", "n", "m")}
     takes["h"].folder = tmp_path / "held"
     takes["h"].folder.mkdir()
     read = [("a", takes["a"], ""), ("bad", None, "broken"), *((sha, takes[sha], "") for sha in ("n", "h", "m"))]
     reports, findings = replace_recordings(tmp_path, read)
-    assert done == [["a"], ["n", "m"]]
+    assert done == [[("a", "old a")], ["n", "m"]]
+    assert "mon/a holds images or times of it" in reports[2].findings[-1].message
+    assert "give it the name a, and ingest" in reports[2].findings[-1].message
+    assert "holds images" not in reports[4].findings[-1].message
     assert findings == said
     assert [(one.key, one.state) for one in reports] == [
         ("a", "replaced"), ("bad", "failed"), ("n", "added"), ("h", "present"), ("m", "added"),
