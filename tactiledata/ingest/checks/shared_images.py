@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
 from itertools import combinations
 
 import numpy as np
@@ -39,21 +40,26 @@ def touches_of_same_images(frames: pa.Table, source: NDArray[np.int64]) -> set[t
         Pairs of touches that share three different images at least, and half of those of one of the two.
     """
     there = frames.filter(pc.not_equal(frames["encoding"].cast(pa.string()), "missing"))
-    if not there.num_rows:
-        return set()
-    facts = np.stack([there[name].to_numpy().astype(np.int64) for name in ("crc32c", "height", "width")], axis=1)
-    image = np.unique(facts, axis=0, return_inverse=True)[1].ravel()
-    held = np.unique(np.stack([image, there["trajectory"].to_numpy().astype(np.int64)], axis=1), axis=0)
-    of_touch = Counter(held[:, 1].tolist())
-    begins = np.flatnonzero(np.diff(held[:, 0], prepend=-1))
+    crc, height, width = (there[name].to_numpy().astype(np.uint64) for name in ("crc32c", "height", "width"))
+    image, touch = crc | height << np.uint64(32) | width << np.uint64(48), there["trajectory"].to_numpy()
+    # few images come twice; only those need a group
+    order = np.argsort(image, kind="stable")
+    again = image[order][1:] == image[order][:-1]
+    rows = order[np.concatenate([again, [False]]) | np.concatenate([[False], again])] if len(order) else order
+    held = np.unique(np.rec.fromarrays([image[rows], touch[rows]]))
     shared: Counter[tuple[int, int]] = Counter()
-    for start, stop in zip(begins, [*begins[1:], len(held)], strict=True):
-        holders = held[start:stop, 1].tolist()
+    for start, stop in _runs(held["f0"]):
+        holders = held["f1"][start:stop].tolist()
         if 1 < len(holders) <= MOST_HOLDERS:
             shared.update(pair for pair in combinations(holders, 2) if source[pair[0]] != source[pair[1]])
-    copies = [
-        pair
-        for pair, count in shared.items()
-        if count >= LEAST_SHARED and count >= COPIED * min(of_touch[row] for row in pair)
-    ]
+    shared = Counter({pair: count for pair, count in shared.items() if count >= LEAST_SHARED})
+    asked = np.isin(touch, list({row for pair in shared for row in pair}))
+    of_touch = Counter(np.unique(np.rec.fromarrays([touch[asked], image[asked]]))["f0"].tolist())
+    copies = [pair for pair, count in shared.items() if count >= COPIED * min(of_touch[row] for row in pair)]
     return {pair for one, other in copies for pair in ((one, other), (other, one))}
+
+
+def _runs(values: NDArray[np.uint64]) -> Iterator[tuple[int, int]]:
+    """Yield first and end of each stretch of equal values (n,)."""
+    ends = [*(np.flatnonzero(values[1:] != values[:-1]) + 1).tolist(), len(values)]
+    yield from zip([0, *ends[:-1]], ends, strict=True) if len(values) else ()
