@@ -115,5 +115,7 @@ def _print(report: Any) -> None:
     if report.changed:
         from tactiledata.store.read.reader import Store
 
+        if counts["replaced"] and report.stale_splits:
+            say("note: a split draws a replaced recording as a new one: its touches may come into another part")
         for line in next_steps(Store.open(report.store)):
             say(line)

@@ -170,6 +170,20 @@ def test_the_summary_says_which_splits_have_to_be_drawn_anew(tiny_mcaps, tiny_st
     assert "the split default is out of date" in said
 
 
+def test_a_replaced_recording_is_said_to_be_drawn_anew(tiny_folders, tmp_path):
+    """An edited log is another recording for a split, which is said; where nothing was split, it is not."""
+    logs = [copy_tree(log, tmp_path / "logs" / log.name) for log in tiny_folders]
+    store = str(tmp_path / "ds.zarr")
+    ingest(logs, store)
+    for is_split in (False, True):
+        if is_split:
+            CliRunner().invoke(app, ["split", store, "--hold-out", "none", "--force", "none"])
+        with (logs[0] / "log.yaml").open("a") as stream:
+            stream.write("\n# edited\n")
+        said = CliRunner().invoke(app, ["ingest", str(logs[0]), "--store", store, "--replace"]).output
+        assert ("may come into another part" in said) == is_split
+
+
 def test_a_staged_take_of_another_mapping_is_read_again(tiny_mcaps, tiny_store, tmp_path, monkeypatch):
     """What a killed ingest staged with another mapping is not taken for what was asked for now."""
     store = tmp_path / "ds.zarr"
