@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -25,6 +26,7 @@ from tactiledata.replay.geometry import gel_geometry, implausible
 from tactiledata.replay.poses import gel_from_indenter
 from tactiledata.replay.status import STATUSES, ReplayStatus
 from tactiledata.sensors.base import GelGeometry
+from tactiledata.store.read.named_trajectories import full_names
 from tactiledata.store.read.reader import Store
 
 MakePad = Callable[[str, GelGeometry], PadMesh]
@@ -43,7 +45,8 @@ class PlannedTouch:
     Parameters
     ----------
     uid, name, sensor, indenter : str
-        Identity and name of the trajectory, names of the sensor and the indenter.
+        Identity of the trajectory; its name, with that of its recording where others have the same; names of the sensor
+        and the indenter.
     frames : (first, stop)
         Rows in the table of frames.
     obstacle : ReplayStatus, optional
@@ -154,7 +157,14 @@ def plan_replay(store: Store, make_pad: MakePad, indenter_folder: Path | None = 
     """
     planner = _Planner(store, make_pad, indenter_folder)
     columns = ["uid", "trajectory", "source", "sensor", "indenter", "frame_start", "frame_stop"]
-    rows = [row for row in store.trajectories(columns).to_pylist() if row["frame_stop"] > row["frame_start"]]
+    table = store.trajectories(columns).to_pylist()
+    times = Counter(row["trajectory"] for row in table)
+    # a trajectory goes by its own name where that is enough, else by those of its recording and its own
+    named = [
+        {**row, "trajectory": row["trajectory"] if times[row["trajectory"]] == 1 else full}
+        for row, full in zip(table, full_names(store), strict=True)
+    ]
+    rows = [row for row in named if row["frame_stop"] > row["frame_start"]]
     touches = tuple(planner.touch(row) for row in sorted(rows, key=lambda row: row["frame_start"]))
     return ReplayPlan(touches, tuple(planner.pads))
 
