@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
-from types import MappingProxyType
 
 import numpy as np
 
@@ -33,12 +31,10 @@ KINDS = {"damage": "Damage", "warning": "Warning", "info": "Note"}
 """Word before a finding of each severity."""
 LOSS_UNITS = {"vector": "times the noise", "norm": "N"}
 """Unit of each loss."""
-NO_NAMES: Mapping[str, str] = MappingProxyType({})
-"""Trajectories are called by their own names."""
 LABELS = {"youngs_modulus": "E, kPa", "poisson_ratio": "nu", "friction": "mu"}
 
 
-def calibration_page(calibration: Calibration, store: str = "", names: Mapping[str, str] = NO_NAMES) -> str:
+def calibration_page(calibration: Calibration, store: str = "") -> str:
     """Return the page of a calibration as HTML.
 
     It begins with a picture of measured and simulated forces, the result in three sentences, and what a reader should
@@ -50,10 +46,8 @@ def calibration_page(calibration: Calibration, store: str = "", names: Mapping[s
         The result.
     store : str
         Name of the store, for the last line; empty where it has none.
-    names : dict, uid -> str
-        What trajectories are called where their own names do not tell them apart.
     """
-    more = _overlay_picture(calibration, ACROSS, MOST_OVERLAYS, names)
+    more = _overlay_picture(calibration, ACROSS, MOST_OVERLAYS)
     folded = [
         _other_steps(calibration),
         *([] if more is None else [Section("More trajectories", pictures=[more])]),
@@ -67,7 +61,7 @@ def calibration_page(calibration: Calibration, store: str = "", names: Mapping[s
     footer = f"{f'store {store}, ' if store else ''}store digest {calibration.store[:16]}"
     return render_page(
         "Calibration of the gel", _in_short(calibration), sections, footer,
-        calibration.simulated, _overlay_picture(calibration, 0, ACROSS, names),
+        calibration.simulated, _overlay_picture(calibration, 0, ACROSS),
     )  # fmt: skip
 
 
@@ -199,9 +193,7 @@ def _remarks(calibration: Calibration) -> Section:
     return Section("What to know", sentences or [("", "Nothing stands out.")])
 
 
-def _overlay_picture(
-    calibration: Calibration, first: int, stop: int, names: Mapping[str, str] = NO_NAMES
-) -> Picture | None:
+def _overlay_picture(calibration: Calibration, first: int, stop: int) -> Picture | None:
     """Picture of measured and simulated forces of some trajectories, by their places in an order; none without any.
 
     Held-out trajectories come first.
@@ -217,7 +209,7 @@ def _overlay_picture(
         rows = slice(start, start + experiment.response.counts[place])
         overlays.append(
             Overlay(
-                f"{names.get(touch.uid, touch.name)} {touch.indenter}" + (" (held out)" if place in held_out else ""),
+                f"{touch.name} {touch.indenter}" + (" (held out)" if place in held_out else ""),
                 touch.seconds[experiment.frames[place]],
                 experiment.measured[rows, :3],
                 calibration.simulated_wrenches[rows, :3],

@@ -75,7 +75,6 @@ def calibrate(
     from tactiledata.contract.atomic import write_atomic
     from tactiledata.errors import UsageError
     from tactiledata.ingest.checks.twins import need_touches_once
-    from tactiledata.store.read.named_trajectories import full_names
     from tactiledata.store.read.reader import Store
 
     if out.suffix != ".json":
@@ -111,9 +110,7 @@ def calibrate(
     # write and print
     document = write_calibration(calibration, out)
     page = out.with_suffix(".html")
-    uids = opened.trajectories(["uid"])["uid"].to_pylist()
-    names = dict(zip(uids, full_names(opened), strict=True))
-    write_atomic(page, calibration_page(calibration, PurePosixPath(location).name, names).encode())
+    write_atomic(page, calibration_page(calibration, PurePosixPath(location).name).encode())
     if as_json:
         emit(document)
         return

@@ -170,8 +170,6 @@ def test_the_file_and_the_page(calibration, tmp_path):
     # eight trajectories, four of them at the top; two maps; residuals over force and their counts
     assert page.count("data:image/png") == 8 + 2 + 2
     assert "preview" in page
-    assert "monday/run1/t0" not in page
-    assert "monday/run1/t0" in calibration_page(calibration, names={"u0": "monday/run1/t0"})
 
 
 def test_no_contact_no_pose_and_no_wrench_are_named(measured):
