@@ -20,6 +20,8 @@ COUNTS = {
     "visible effects named": "visible effects named",
 }
 """Columns, and the first words of the printed lines that they are from."""
+SINCE = "A seventeenth ensemble"
+"""The first ensemble that was decided with today's rules: those from it on are summed. Another program begins anew."""
 
 
 def slug(heading: str) -> str:
@@ -48,10 +50,26 @@ def rows(page: str) -> list[tuple[str, ...]]:
     return found
 
 
+def summed(found: list[tuple[str, ...]]) -> list[tuple[str, ...]]:
+    """The sums of the counts of ensembles that one program decided, as a row; none before the first of them.
+
+    The newest ensembles come first.
+    """
+    places = [place for place, row in enumerate(found) if row[0].startswith(f"[{SINCE}")]
+    if not places:
+        return []
+    same, sums = found[: places[0] + 1], []
+    for column in range(-len(COUNTS), 0):
+        pairs = [tuple(map(int, row[column].split(" of "))) for row in same if row[column] != "-"]
+        sums.append(f"{sum(few for few, _ in pairs)} of {sum(all_ for _, all_ in pairs)}")
+    return [(f"**the {len(same)} ensembles with the rules of today**", "", "", "", "", *sums)]
+
+
 def table(page: str) -> str:
     """The table as Markdown."""
     head = ("ensemble", "generators", "plan", "commit", "date", *COUNTS)
-    lines = [head, ("---",) * len(head), *rows(page)]
+    found = rows(page)
+    lines = [head, ("---",) * len(head), *summed(found), *found]
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
