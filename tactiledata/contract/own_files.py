@@ -25,6 +25,8 @@ CHUNK = 1 << 20
 """Bytes of a file that are looked at together."""
 _HEADER = 33
 """Bytes of a PNG before the second chunk: eight of the signature, and the first chunk."""
+_BEFORE_PIXELS = 512
+"""Bytes at the beginning of a PNG that hold the mark where there is one."""
 
 
 def is_ours(path: Path, mark: bytes | None = None) -> bool:
@@ -44,6 +46,12 @@ def is_ours(path: Path, mark: bytes | None = None) -> bool:
         return False
     mark = mark or MARKS.get(path.suffix.lower())
     return path.stat().st_size == 0 or (mark is not None and _holds(path, mark))
+
+
+def is_own_picture(path: Path) -> bool:
+    """Whether a file is a PNG that this program drew: its mark stands before the pixels, and no more is read."""
+    with path.open("rb") as stream:
+        return path.suffix.lower() == ".png" and MARKS[".png"] in stream.read(_BEFORE_PIXELS)
 
 
 def refuse_foreign(path: Path, mark: bytes | None = None) -> None:

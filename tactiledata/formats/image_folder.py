@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from tactiledata.contract.description import LogDescription
 from tactiledata.contract.image_bytes import IMAGE_SUFFIXES, ImageHeader, read_header
+from tactiledata.contract.own_files import is_own_picture
 from tactiledata.contract.paths import path_inside
 from tactiledata.contract.records import Finding, Recording, Source, Trajectory
 from tactiledata.contract.wording import agreeing, counted
@@ -47,6 +48,7 @@ class _Folder:
     masks: list[Path] = field(default_factory=list)
     unsafe: list[str] = field(default_factory=list)
     others: list[str] = field(default_factory=list)
+    drawn: list[str] = field(default_factory=list)
 
 
 class ImageFolderFormat(CorpusFormat):
@@ -80,7 +82,7 @@ class ImageFolderFormat(CorpusFormat):
             return False
         if any(child.name.lower() in OTHERS or child.suffix.lower() in OTHER_SUFFIXES for child in files):
             return False
-        return any(child.suffix.lower() in IMAGE_SUFFIXES for child in files)
+        return any(child.suffix.lower() in IMAGE_SUFFIXES and not _is_drawn(child) for child in files)
 
     def sources(self, path: Path) -> Sequence[Source]:
         """The folder; folders below it are recordings of their own."""
@@ -143,9 +145,19 @@ def _look(root: Path, named: Collection[str]) -> _Folder:
             found.background = path
         elif _MASK.fullmatch(path.name) and _is_grey(path):
             found.masks.append(path)
+        elif _is_drawn(path):
+            found.drawn.append(path.name)
         else:
             found.images.append(path)
     return found
+
+
+def _is_drawn(path: Path) -> bool:
+    """Whether a file is a picture that a command of the toolkit drew, such as that of a page."""
+    try:
+        return is_own_picture(path)
+    except OSError:
+        return False  # what cannot be read is told where it is read
 
 
 def _is_grey(path: Path) -> bool:
@@ -170,6 +182,8 @@ def _note_folder(intake: Intake, found: _Folder) -> None:
         ("mask-left", "info", [path.name for path in found.masks], "is a mask (8-bit grey), no tactile image; left",
          "are masks (8-bit grey), not tactile images; left"),
         ("not-an-image", "info", found.others, "is neither JPEG nor PNG; left", "are neither JPEG nor PNG; left"),
+        ("picture-drawn", "info", found.drawn, "was drawn by a command of tactiledata, and is no tactile image; left",
+         "were drawn by commands of tactiledata, and are no tactile images; left"),
         ("link-left", "warning", found.unsafe, "is a link, which is not followed; copy the image into the folder",
          "are links, which are not followed; copy the images into the folder"),
     ):  # fmt: skip

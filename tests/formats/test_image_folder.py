@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import cv2
@@ -11,6 +12,7 @@ from generators import folder_log
 from generators.collect import codes, read
 from generators.folder_log import picture
 
+from tactiledata.contract.own_files import marked_png
 from tactiledata.errors import BrokenLog, SchemaError, UnsafeContent, UsageError
 from tactiledata.formats.image_folder import ImageFolderFormat
 
@@ -47,6 +49,22 @@ def test_real_digit_contacts_go_in():
     assert codes(recording) == {"no-clock", "mask-left", "not-an-image"}
     [mask] = [finding for finding in recording.findings if finding.code == "mask-left"]
     assert "digit_mask.png' is a mask" in mask.message
+
+
+def test_pictures_that_commands_drew_are_no_frames(run, tmp_path):
+    """The picture of a page is left, and named; a folder of such pictures alone is no recording."""
+    page = tmp_path / "page"
+    page.mkdir()
+    drawn = page / "recorded.png"
+    picture(drawn, np.random.default_rng(0), (32, 24))
+    assert FORMAT.sniff(page)
+    drawn.write_bytes(marked_png(drawn.read_bytes()))
+    assert not FORMAT.sniff(page)
+    shutil.copy(drawn, run / "recorded.png")
+    recording, images = read_one(run)
+    assert [image.name for image in images] == ["1.jpg", "9.png", "10.png"]
+    (left,) = [finding for finding in recording.findings if finding.code == "picture-drawn"]
+    assert "'recorded.png' was drawn by a command of tactiledata" in left.message
 
 
 def test_natural_order_is_the_only_clock(run):
