@@ -18,8 +18,10 @@ from tactiledata.errors import MissingFile, SchemaError, UsageError
 if TYPE_CHECKING:
     from tactiledata.store.read.reader import Store
 
-PAGE_FACTS = re.compile(r"The store is (?P<name>[^<]*)\.</p>.*store digest (?P<digest>[0-9a-f]{64})", re.DOTALL)
-"""What the page of a replay says of its store."""
+PAGE_FACTS = re.compile(
+    r"The store (?:is )?(?P<name>[^<]*?)(?:\.</p>| holds ).*store digest (?P<digest>[0-9a-f]{64})", re.DOTALL
+)
+"""What the page of a replay, or that of a store, says of its store."""
 
 
 @contextmanager
@@ -99,7 +101,7 @@ def _trajectories_of(document: Mapping[str, Any]) -> set[str]:
 
 
 def refuse_result_of_another_store(path: Path, store: Store, replace: bool) -> None:
-    """Refuse to replace a calibration, a diagnosis or the page of a replay that was made from another store.
+    """Refuse to replace a calibration, a diagnosis, or the page of a replay or a store, made from another store.
 
     Parameters
     ----------

@@ -9,6 +9,7 @@ from typing import Any
 
 import typer
 
+from tactiledata.cli.documents import refuse_result_of_another_store
 from tactiledata.cli.explain import damage_explains
 from tactiledata.cli.given_values import need_writable_folder
 from tactiledata.cli.next_steps import next_steps
@@ -204,6 +205,7 @@ def report(
     store: str = STORE_ARGUMENT,
     out: Path = typer.Option(Path("report"), "--out", help="Folder for report.html and recorded.png."),
     split: str = typer.Option(None, "--split", help="Split to describe [default: default, where there is one]."),
+    replace: bool = typer.Option(False, "--replace", help="Replace a page about another store, too."),
     as_json: bool = JSON_OPTION,
 ) -> None:
     """Write a page about a store, with pictures.
@@ -224,6 +226,7 @@ def report(
         opened = Store.open(location)
         if split is not None and split not in opened.split_names():
             raise UnknownName("split", split, opened.split_names(), "`tactiledata split` makes a split.")
+        refuse_result_of_another_store(out / "report.html", opened, replace)
         written = write_report(opened, out, split or "default", mesh_sections(opened))
     simulated = simulated_recordings(opened)
     if as_json:

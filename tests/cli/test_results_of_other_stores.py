@@ -33,14 +33,16 @@ def opened(tiny_store):
 
 @pytest.fixture
 def results(tmp_path, monkeypatch):
-    """A working folder with a calibration, a diagnosis and the page of a replay of another store."""
+    """A working folder with a calibration, a diagnosis, and the pages of a replay and of another store."""
     monkeypatch.chdir(tmp_path)
     other = json.dumps(result("0" * 64, ["f" * 16, "e" * 16]))
     Path("calibration.json").write_text(other)
-    for folder in ("diagnosis", "replay"):
+    for folder in ("diagnosis", "replay", "report"):
         Path(folder).mkdir()
     Path("diagnosis/diagnosis.json").write_text(other)
     Path("replay/replay-low-linear.html").write_text(page("other.zarr", "0" * 64))
+    shown = f"{MARKS['.html'].decode()}<p>The store other.zarr holds 1 recording with 2 trajectories.</p>"
+    Path("report/report.html").write_text(f"{shown}<footer>t 1; store digest {'0' * 64}</footer>")
     return tmp_path
 
 
@@ -51,8 +53,9 @@ def results(tmp_path, monkeypatch):
         (["calibrate"], "calibration.json"),
         (["diagnose", "--out", "diagnosis"], "diagnosis/diagnosis.json"),
         (["replay", "--fidelity", "linear", *MATERIAL], "replay/replay-low-linear.html"),
+        (["report"], "report/report.html"),
     ],
-    ids=["calibrate", "diagnose", "replay"],
+    ids=["calibrate", "diagnose", "replay", "report"],
 )
 def test_a_result_of_another_store_is_not_replaced(words, file, results, tiny_store, capsys):
     """Before any work the command refuses, names the file and both ways out; the file stays."""
