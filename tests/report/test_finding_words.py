@@ -17,7 +17,7 @@ def rendered(*sections):
 
 
 def test_every_code_of_the_documentation_has_words():
-    """As many codes as rows stand in the tables, each with a meaning and a remedy without marks of the text."""
+    """Every row of the tables of findings becomes a code, a meaning and a remedy, without marks of Markdown."""
     words = words_of_codes()
     rows = re.findall(r"^\| `([a-z0-9-]+)` \| (?:info|warning|damage) \|", PAGE.read_text(), re.MULTILINE)
     assert sorted(words) == sorted(rows)

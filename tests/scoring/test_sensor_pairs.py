@@ -180,7 +180,7 @@ def test_embedding_is_drawn(store, tmp_path):
 
 
 def test_a_set_that_another_covers_is_still_seen(tmp_path):
-    """Of two sets in the same places both colours are in the panel, not in the legend alone."""
+    """The picture of two sets whose points are in the same places shows the colours of both."""
     pytest.importorskip("matplotlib")
     places = np.array([[x, y] for x in range(4) for y in range(3)], float)
     picture = cv2.imread(str(draw_embedding({"pixels": {"a": places, "b": places}}, tmp_path / "tsne.png")))

@@ -262,7 +262,7 @@ def test_what_is_missing_is_said_and_absent(planted, tmp_path):
 
 @pytest.mark.slow
 def test_the_mesh_that_is_shown_is_named_beside_the_others(planted, tmp_path):
-    """Of two meshes the report names the shown one, and the other with the option that shows it."""
+    """The report of a view names the mesh that is shown, and the other one with the option that shows it."""
     place = copy_tree(planted, tmp_path / "two.zarr")
     attach_planted(place, "another")
     report = write_view(Store.open(place), tmp_path / "a.rrd", ViewOptions(mesh="planted"))

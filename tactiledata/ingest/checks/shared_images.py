@@ -24,6 +24,19 @@ MOST_HOLDERS = 20
 """Touches that hold an image, at most, where it tells a copy: what more hold is a picture without a scene."""
 
 
+def image_words(frames: pa.Table) -> tuple[pa.Table, NDArray[np.uint64]]:
+    """Rows of a table of frames that hold an image, and a number (n,) for each, equal where bytes and size are equal.
+
+    Parameters
+    ----------
+    frames : pa.Table
+        ``height``, ``width``, ``crc32c`` and ``encoding`` among its columns.
+    """
+    there = frames.filter(pc.not_equal(frames["encoding"].cast(pa.string()), "missing"))
+    crc, height, width = (there[name].to_numpy().astype(np.uint64) for name in ("crc32c", "height", "width"))
+    return there, crc | height << np.uint64(32) | width << np.uint64(48)
+
+
 def touches_of_same_images(frames: pa.Table, source: NDArray[np.int64]) -> set[tuple[int, int]]:
     """Rows of two touches of different recordings that share images, both ways round.
 
@@ -39,9 +52,8 @@ def touches_of_same_images(frames: pa.Table, source: NDArray[np.int64]) -> set[t
     set of (row, row)
         Pairs of touches that share three different images at least, and half of those of one of the two.
     """
-    there = frames.filter(pc.not_equal(frames["encoding"].cast(pa.string()), "missing"))
-    crc, height, width = (there[name].to_numpy().astype(np.uint64) for name in ("crc32c", "height", "width"))
-    image, touch = crc | height << np.uint64(32) | width << np.uint64(48), there["trajectory"].to_numpy()
+    there, image = image_words(frames)
+    touch = there["trajectory"].to_numpy()
     # few images come twice; only those need a group
     order = np.argsort(image, kind="stable")
     again = image[order][1:] == image[order][:-1]

@@ -41,18 +41,24 @@ def twins_of_store(store: Store) -> dict[int, Finding]:
     What is flagged as a copy is left out: somebody chose already which of two copies splits take. A touch that is
     flagged as bad is bad in every copy.
     """
-    names, touches = recording_names(store), _touches(store)
+    touches = _touches(store)
     pairs = _pairs(store, touches)
+    if not pairs:
+        return {}
+    command = _FlagCommand(store, touches)
     differs, bad = _other_indenters(touches, pairs), _flagged_elsewhere(touches, pairs)
+    of_source: dict[int, list[tuple[int, int]]] = {}
+    for one, other in pairs:
+        of_source.setdefault(touches[one]["source"], []).append((one, other))
     found = {}
     for row, others in sorted(_counted(touches, pairs).items()):
         first = min(others)
-        here = [pair for pair in pairs if touches[pair[0]]["source"] == row and not touches[pair[0]]["flag"]]
+        here = [(one, other) for one, other in of_source[row] if not touches[one]["flag"]]
         copies = [one for one, other in here if touches[other]["source"] == first or touches[other]["flag"]]
         remedy = f"{differs.get(row, '')}{bad.get(row, '')}"
         if copies:
-            remedy += f". Splits leave this one out after: {_flag_command(store, touches, copies, names[first])}"
-        found[row] = twin_finding(names, others, remedy or "; those here are flagged")
+            remedy += f". Splits leave this one out after: {command.of(copies, command.recordings[first])}"
+        found[row] = twin_finding(command.recordings, others, remedy or "; those here are flagged")
     return found
 
 
@@ -88,24 +94,32 @@ def _flagged_elsewhere(touches: Sequence[Mapping[str, Any]], pairs: Iterable[tup
     }
 
 
-def _flag_command(store: Store, touches: Sequence[Mapping[str, Any]], copies: Collection[int], origin: str) -> str:
-    """The command that flags touches: by the names of recordings where these are all that they hold, else by their own.
+class _FlagCommand:
+    """Commands that flag touches: by the names of recordings where these are all that they hold, else by their own.
 
     Parameters
     ----------
-    copies : collection of int
-        Rows of the trajectories to be flagged.
-    origin : str
-        What they are copies of.
+    store : Store
+    touches : sequence of dict
+        All of its trajectories, as `_touches` gives them.
     """
-    recordings, full = recording_names(store), full_names(store)
-    wanted = set(copies)
-    whole = {
-        source: all(row in wanted or touch["flag"] for row, touch in enumerate(touches) if touch["source"] == source)
-        for source in {touches[row]["source"] for row in wanted}
-    }
-    said = [recordings[source] if whole[source := touches[row]["source"]] else full[row] for row in sorted(wanted)]
-    return shlex.join(["tactiledata", "flag", store.location, *dict.fromkeys(said), "--reason", f"{COPY} {origin}"])
+
+    def __init__(self, store: Store, touches: Sequence[Mapping[str, Any]]) -> None:
+        self.recordings = recording_names(store)
+        self._location, self._touches, self._full = store.location, touches, full_names(store)
+        self._free: dict[int, set[int]] = {}
+        for row, touch in enumerate(touches):
+            if not touch["flag"]:
+                self._free.setdefault(touch["source"], set()).add(row)
+
+    def of(self, copies: Collection[int], origin: str) -> str:
+        """Return the command for the trajectories of these rows, which are copies of a recording of this name."""
+        wanted = set(copies)
+        said: dict[str, None] = {}  # each name once, in order
+        for row in sorted(wanted):
+            source = self._touches[row]["source"]
+            said[self.recordings[source] if self._free[source] <= wanted else self._full[row]] = None
+        return shlex.join(["tactiledata", "flag", self._location, *said, "--reason", f"{COPY} {origin}"])
 
 
 def _other_indenters(touches: Sequence[Mapping[str, Any]], pairs: Iterable[tuple[int, int]]) -> dict[int, str]:
@@ -142,7 +156,8 @@ def need_touches_once(store: Store, sensor: str | None = None) -> None:
     pairs = [pair for pair in _pairs(store, touches) if sensor in (None, *(touches[row]["sensor"] for row in pair))]
     if not pairs:
         return
-    names, source = recording_names(store), [touch["source"] for touch in touches]
+    command, source = _FlagCommand(store, touches), [touch["source"] for touch in touches]
+    names = command.recordings
     # of each pair the one that is not flagged, else the one that came later
     copies = {}
     for pair in pairs:
@@ -161,7 +176,7 @@ def need_touches_once(store: Store, sensor: str | None = None) -> None:
         f"{store.location}: {listed(said, MOST_SAID)}, by the same sensor at the same time, or with the same images: "
         f"{'this recording is a copy' if is_one else 'these recordings are copies'}",
         "each touch once, and none whose copy is flagged: a fit counts a copy twice, and holds out what it also fits",
-        f"Flag {'it' if is_one else 'them'}: {_flag_command(store, touches, copies, origin)}",
+        f"Flag {'it' if is_one else 'them'}: {command.of(copies, origin)}",
     )
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from tactiledata import __version__
 from tactiledata.contract.atomic import write_atomic
+from tactiledata.contract.records import Finding
 from tactiledata.contract.take import UNUSABLE
 from tactiledata.contract.wording import counted, listed
 from tactiledata.formats.mcap.passed_over import TOPIC_LEFT
@@ -162,7 +163,7 @@ def page(store: Store, picture: Picture | None, split: str, further: Sequence[Se
     further : sequence of Section
         Sections of other parts of the toolkit, placed before the last one, on how to use the store.
     """
-    facts = overview(store)
+    facts, found = overview(store), all_findings(store)
     sentences = [
         f"The store {Path(str(store.location)).name} holds {counted(facts['sources'], 'recording')} with "
         f"{counted(facts['trajectories'], 'trajectory')} and {counted(facts['frames'], 'image')} of "
@@ -175,11 +176,11 @@ def page(store: Store, picture: Picture | None, split: str, further: Sequence[Se
         _cameras(facts),
         _counts(facts),
         _signals(facts),
-        _findings(store),
+        _findings(store, found),
         _flagged(store),
         _split(store, split),
         *further,
-        codes_section(finding.code for _, finding in all_findings(store)),
+        codes_section(finding.code for _, finding in found),
         _use(store, split),
     ]
     footer = f"tactiledata {__version__}; store digest {store.digest}"
@@ -237,9 +238,9 @@ def _signals(facts: dict) -> Section | None:
     return Section("Signals", columns=columns, rows=rows) if rows else None
 
 
-def _findings(store: Store) -> Section:
+def _findings(store: Store, found: Sequence[tuple[int, Finding]]) -> Section:
     keys = recording_names(store)
-    ranked = sorted(all_findings(store), key=lambda item: (WORST_FIRST[item[1].severity], item[1].code, item[0]))
+    ranked = sorted(found, key=lambda item: (WORST_FIRST[item[1].severity], item[1].code, item[0]))
     sentences: list[tuple[str, str]] = [
         (finding.severity, f"{finding.severity}: {keys[source]}: {finding.message} [{finding.code}]")
         for source, finding in ranked[:60]

@@ -11,11 +11,11 @@ from pathlib import Path, PurePosixPath
 from types import MappingProxyType
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.compute as pc
+from numpy.typing import NDArray
 
 from tactiledata.contract.records import Finding
 from tactiledata.errors import StoreError, UnknownName
+from tactiledata.ingest.checks.shared_images import image_words
 from tactiledata.ingest.sources.reports import SourceReport, report_of
 from tactiledata.store.change.replace import replace_takes
 from tactiledata.store.check.payloads import payload_faults
@@ -44,18 +44,23 @@ class StoredRecordings:
         self._sources = store.sources(["sha256", "key", "frames", "contents"]).to_pylist()
         self._contents = [json.loads(row["contents"]) for row in self._sources]
 
+        self._same: dict[str, frozenset[int]] = {}
+
     @cached_property
-    def _frames(self) -> pa.Table:
-        return self._store.frames(["source", *IMAGE])
+    def _images(self) -> tuple[NDArray[np.uint64], NDArray[np.integer]]:
+        """Numbers of all images, ascending, and the row of the source of each."""
+        there, words = image_words(self._store.frames(["source", *IMAGE]))
+        order = np.argsort(words, kind="stable")
+        return words[order], there["source"].to_numpy()[order]
 
     def matches(self, staged: StagedTake, names: Collection[str] = ()) -> list[str]:
         """Digests of the sources that are the same recording as a staged one, which has other names, too."""
-        key = staged.document["key"]
+        key, alike = staged.document["key"], self._same_touches(staged)
         known = {key, *names}
         same = [
             source["sha256"]
             for row, source in enumerate(self._sources)
-            if source["sha256"] == staged.sha256 or (source["key"] in known and self._is_same_touch(row, staged))
+            if source["sha256"] == staged.sha256 or (source["key"] in known and row in alike)
         ]
         return same or self._of_last_part(PurePosixPath(key).name, staged)
 
@@ -64,13 +69,13 @@ class StoredRecordings:
         same = [
             source["sha256"]
             for row, source in enumerate(self._sources)
-            if PurePosixPath(source["key"]).name == name and self._is_same_touch(row, staged)
+            if PurePosixPath(source["key"]).name == name and row in self._same_touches(staged)
         ]
         return same if len(same) == 1 else []
 
     def alike(self, staged: StagedTake) -> list[str]:
         """Names of the sources that hold an image or stamps of a staged recording, whatever they are called."""
-        return [source["key"] for row, source in enumerate(self._sources) if self._is_same_touch(row, staged)]
+        return [self._sources[row]["key"] for row in sorted(self._same_touches(staged))]
 
     def key(self, sha256: str) -> str:
         """The name of a source."""
@@ -107,19 +112,21 @@ class StoredRecordings:
             return False
         return True
 
-    def _is_same_touch(self, row: int, staged: StagedTake) -> bool:
-        stamps = {entry["arrays"]["log_ns"]["crc32c"] for entry in staged.document["signals"].values()}
-        if any(facts["crc32c"]["log_ns"] in stamps - {NOTHING} for facts in self._contents[row]["signals"].values()):
-            return True
-        frames = self._frames
-        mine = frames.filter(pa.array(np.asarray(frames["source"]) == row))
-        return bool(_images(mine) & _images(staged.table("frames")))
-
-
-def _images(frames: pa.Table) -> set[tuple[int, int, int]]:
-    """Size and CRC-32C of every image that is there."""
-    there = frames.filter(pc.not_equal(frames["encoding"].cast(pa.string()), "missing"))
-    return set(zip(*(there[name].to_pylist() for name in IMAGE[:3]), strict=True))
+    def _same_touches(self, staged: StagedTake) -> frozenset[int]:
+        """Rows of the sources that hold an image or the log stamps of a signal of a staged take; looked up once."""
+        if staged.sha256 not in self._same:
+            stamps = {entry["arrays"]["log_ns"]["crc32c"] for entry in staged.document["signals"].values()} - {NOTHING}
+            rows = {
+                row
+                for row, contents in enumerate(self._contents)
+                if any(facts["crc32c"]["log_ns"] in stamps for facts in contents["signals"].values())
+            }
+            words, source = self._images
+            wanted = np.unique(image_words(staged.table("frames"))[1])
+            for first, stop in zip(*(np.searchsorted(words, wanted, side) for side in ("left", "right")), strict=True):
+                rows.update(source[first:stop].tolist())
+            self._same[staged.sha256] = frozenset(rows)
+        return self._same[staged.sha256]
 
 
 @dataclass(frozen=True)

@@ -88,7 +88,7 @@ def test_what_only_a_person_knows_is_marked(tmp_path):
 
 @pytest.mark.parametrize(("model", "name"), [("", "digit"), ("gelsight_r15", "gelsight"), ("biotac", "camera")])
 def test_a_camera_without_a_name_is_named_by_its_model(tmp_path, model, name):
-    """Where the topic of the only camera says nothing, it is called as cameras of its sensor's model are elsewhere."""
+    """A draft names the only camera by its sensor's model where the name of its topic says nothing."""
     with Tape(tmp_path / "run.mcap") as tape:
         tape.image(START, START, picture(1), topic="/usb_cam/image_raw", frame="D20003")
         if model:

@@ -60,7 +60,7 @@ def test_others_are_no_copies(touches, options):
 
 @given(st.lists(st.sets(st.integers(0, 12), max_size=8), max_size=6))
 def test_it_agrees_with_a_comparison_of_all_pairs(touches):
-    """The same pairs as a plain comparison of each touch with each other one."""
+    """The pairs of copied touches are those that a comparison of each touch with each other one finds."""
     expected = {
         (i, j)
         for i, one in enumerate(touches)

@@ -254,7 +254,7 @@ def test_findings_are_ranked_and_sixty_are_shown():
         (1, Finding("b", "info", "five")), (1, Finding("a", "warning", "four")), (0, Finding("z", "damage", "one")),
         (0, Finding("a", "warning", "three")), (1, Finding("c", "info", "six")), (0, Finding("a", "damage", "zero")),
     ]  # fmt: skip
-    sentences = module._findings(Tables(findings=rows)).sentences
+    sentences = findings_section(Tables(findings=rows)).sentences
     words = [text.split(": ")[2].split(" ")[0] for _, text in sentences]
     assert words == [
         "zero",
@@ -267,10 +267,10 @@ def test_findings_are_ranked_and_sixty_are_shown():
     assert sentences[0] == ("damage", "damage: one: zero [a]")
     assert sentences[3] == ("warning", "warning: two: four [a]")
     many = [(0, Finding("a", "info", "x"))] * 60
-    assert len(module._findings(Tables(findings=many)).sentences) == 60
-    more = module._findings(Tables(findings=[*many, *many[:2]])).sentences
+    assert len(findings_section(Tables(findings=many)).sentences) == 60
+    more = findings_section(Tables(findings=[*many, *many[:2]])).sentences
     assert (len(more), more[60]) == (61, ("", "… and 2 more: tactiledata info --json"))
-    assert module._findings(Tables()).sentences == [("", "The checks found nothing.")]
+    assert findings_section(Tables()).sentences == [("", "The checks found nothing.")]
 
 
 def test_without_a_split_the_one_that_can_be_drawn_is_named(monkeypatch):
@@ -284,6 +284,10 @@ def test_without_a_split_the_one_that_can_be_drawn_is_named(monkeypatch):
     assert [text for _, text in found.sentences] == [
         "There is no split yet. Draw one before you train on this store.", "No split can be drawn yet: too few",
     ]  # fmt: skip
+
+
+def findings_section(store):
+    return module._findings(store, module.all_findings(store))
 
 
 def counts(**given):

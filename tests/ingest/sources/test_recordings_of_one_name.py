@@ -36,7 +36,7 @@ def days(tiny_mcaps, tmp_path):
     ids=["folders", "folders of one name", "other names", "taken", "taken whole", "one taken", "one file"],
 )
 def test_the_shortest_ends_of_paths_that_differ(paths, taken, expected):
-    """As many folders as needed stand before the name, none where it is enough, and a number where they do not help."""
+    """A recording gets as many folders before its name as tell it apart, and a number where no folder does."""
     sources = [Source(path, path.rpartition("/")[2], "mcap", (path,)) for path in paths]
     assert [source.key for source in named_apart(sources, taken)] == expected
 
@@ -68,7 +68,7 @@ def test_a_later_recording_of_a_name_that_is_there_is_named_with_its_folder(days
 
 @pytest.mark.parametrize("moved", [False, True])
 def test_an_edited_recording_finds_its_own_among_those_of_one_name(tiny_folders, tmp_path, moved):
-    """Of two recordings whose names end alike, ``--replace`` takes the one with the same images, wherever it lies."""
+    """An edited recording replaces, of two whose names end alike, the one that holds the same images."""
     logs = [copy_tree(log, tmp_path / day / "log") for log, day in zip(tiny_folders, ("mon", "tue"), strict=False)]
     store = tmp_path / "ds.zarr"
     ingest(logs, store)

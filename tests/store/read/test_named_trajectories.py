@@ -71,7 +71,7 @@ def test_full_names_tell_recordings_of_one_name_apart(twice):
 
 
 def test_a_recording_means_all_its_trajectories(twice, tiny_store):
-    """Where it is allowed, the name of a recording is taken; one that two recordings have is answered with theirs."""
+    """The name of a recording means all its trajectories; one that two have is refused with theirs."""
     store, digests = twice
     sources = store.trajectories(["source"])["source"].to_pylist()
     for number in range(2):
