@@ -4,6 +4,7 @@ VENV   ?= .venv
 BIN     = $(VENV)/bin
 INSTALLED = $(VENV)/.installed
 OUT    ?= demo-out
+BENCH_OUT ?= bench-out
 
 OWNERS  = $(VENV)/owners
 PIP_FLAGS ?=
@@ -11,7 +12,7 @@ PIP_FLAGS ?=
 # hundreds of processes import the same modules: compiled ones are kept, whatever the shell says
 export PYTHONDONTWRITEBYTECODE =
 
-.PHONY: help demo test quick check bench site release-notes mutants fuzz nightly owners wheel-test clean
+.PHONY: help demo test quick check bench accuracy site release-notes mutants fuzz nightly owners wheel-test clean
 
 help:            ## this list
 	@grep -hE '^[a-z-]+: .*##|^[a-z-]+:  *##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
@@ -46,8 +47,11 @@ check: $(INSTALLED)  ## formatting, lint, types
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 
-bench: $(INSTALLED)  ## benchmarks: ours and the alternatives side by side
-	$(BIN)/python benchmarks/run_all.py
+bench: $(INSTALLED)  ## benchmarks of speed: ours and the alternatives side by side, and how costs grow (an hour)
+	$(BIN)/python benchmarks/run_all.py --what speed --out $(BENCH_OUT)
+
+accuracy: $(INSTALLED) ## benchmarks of accuracy: gel, calibration, naming and locating on simulated worlds (many hours)
+	$(BIN)/python benchmarks/run_all.py --what accuracy --out $(BENCH_OUT)
 
 site: $(INSTALLED)   ## the documentation as a site, in site/
 	$(BIN)/mkdocs build --strict
@@ -71,4 +75,4 @@ nightly: $(INSTALLED)  ## the tests that take longest: solvers compared, rates o
 	$(MAKE) fuzz
 
 clean:           ## remove what make made, the virtual environment included
-	rm -rf $(VENV) $(OUT) build dist site .pytest_cache .mypy_cache .ruff_cache .mutants .fuzz
+	rm -rf $(VENV) $(OUT) $(BENCH_OUT) build dist site .pytest_cache .mypy_cache .ruff_cache .mutants .fuzz
