@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from shlex import quote
@@ -25,6 +26,7 @@ from tactiledata.errors import UnknownName
 if TYPE_CHECKING:
     from split_models.transfer.methods import TransferMethod
     from split_models.transfer.transfer_store import TransferReport
+    from tactiledata.store.read.reader import Store
 
 MODEL = typer.Option(None, "--model", help="Checkpoint of an image VAE [default: the bundled one].")
 OUT = typer.Option(None, "--out", help="Store to write [default: transferred/STORE-TARGET-METHOD.zarr].")
@@ -119,7 +121,7 @@ def transfer(
         say(f"{choice.reason}: {way.name.replace('_', '-')}")
     for facts in kept:
         say(facts.sentence(f"touches kept by {way.name.replace('_', '-')}"))
-    _print_report(report, to, way, location, picture)
+    _print_report(report, to, way, location, picture, _left_out(opened, report.sensors) if report.left_out else ())
 
 
 def _default_out(location: str, target: str, method: str) -> Path:
@@ -129,7 +131,9 @@ def _default_out(location: str, target: str, method: str) -> Path:
     return Path("transferred") / f"{stem}-{safe}-{method.replace('_', '-')}.zarr"
 
 
-def _print_report(report: TransferReport, to: str, way: TransferMethod, location: str, picture: Path) -> None:
+def _print_report(
+    report: TransferReport, to: str, way: TransferMethod, location: str, picture: Path, left_out: Sequence[str]
+) -> None:
     """Print the report of a transfer, and the next steps."""
     say(f"{to} is {report.target.resolved}")
     if model := getattr(way, "model", ""):
@@ -139,17 +143,34 @@ def _print_report(report: TransferReport, to: str, way: TransferMethod, location
         f"{counted(report.frames, 'frame')} of {', '.join(report.sensors)} in {counted(report.recordings, 'recording')}"
         f" by {report.method.replace('_', '-')}{was}"
     )
-    if report.left_out:
-        say(
-            f"{counted(report.left_out, 'frame')} left out: of other cameras or sensors, without a whole image, or in "
-            "no trajectory"
-        )
+    for sentence in left_out:
+        say(sentence)
     for note in report.notes:
         say(note)
     findings((report.target.name, finding) for finding in report.findings)
     say(f"wrote {report.out} and {picture}: look at the picture before you train on them")
     both = f"{quote(str(location))} {quote(str(report.out))} --into with-children/both.zarr"
     say(f"to train on both: tactiledata merge {both}, then split that")
+
+
+def _left_out(store: Store, sensors: Sequence[str]) -> list[str]:
+    """Return a sentence for each reason for which frames of a store were not transferred, each frame under one."""
+    import numpy as np
+
+    from tactiledata.contract.take import UNUSABLE
+
+    frames = store.frames(["sensor", "flags", "trajectory"])
+    waits = np.ones(frames.num_rows, dtype=bool)
+    sentences = []
+    for words, is_so in (
+        (f"of sensors other than {', '.join(sensors)}", ~np.isin(np.asarray(frames["sensor"].cast("string")), sensors)),
+        ("without a whole image", (np.asarray(frames["flags"]) & UNUSABLE) != 0),
+        ("in no trajectory", np.asarray(frames["trajectory"]) < 0),
+    ):
+        if count := int((waits & is_so).sum()):
+            sentences.append(f"{counted(count, 'frame')} left out: {words}")
+        waits &= ~is_so
+    return sentences
 
 
 def _need_method(method: str | None) -> None:

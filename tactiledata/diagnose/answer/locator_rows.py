@@ -12,7 +12,7 @@ from tactiledata.arrays import Array
 from tactiledata.diagnose.locate import LOCATORS
 from tactiledata.diagnose.locate.drifts import Drift
 from tactiledata.diagnose.locate.event_locked import EventLocked
-from tactiledata.diagnose.locate.locate import LEVEL, LocatorResults
+from tactiledata.diagnose.locate.locate import BESIDES, LEVEL, LocatorResults
 from tactiledata.diagnose.locate.region_map import RegionMap
 from tactiledata.diagnose.residuals.instruments import is_logarithmic, weighed_quantiles
 from tactiledata.diagnose.residuals.projection import ProjectedResiduals
@@ -71,25 +71,27 @@ def change_document(change: Change) -> dict[str, Any]:
     return {"value": change.value, "half_width": width, "unit": change.parameter.unit, "share": share}
 
 
+def _drift_row(drift: Drift, begin: str = "") -> dict[str, Any]:
+    """Return a drift as a row; its words may have a begin."""
+    return {
+        "p": drift.p,
+        "words": f"{begin}{drift.words}",
+        "parameter": drift.parameter,
+        "covariate": drift.covariate,
+        "change": change_document(drift.change),
+    }
+
+
 def _by_locator(located: LocatorResults) -> Iterator[tuple[str, list[dict[str, Any]]]]:
     """Yield the name of each locator with all its findings as rows."""
     if located.gate is not None:
         yield "size of the residual", [{"p": located.gate.p, "words": located.gate.words}]
     yield "free air", [{"p": located.free_air.p, "words": located.free_air.words}]
-    for locator, drifts in (("drifting parameters", located.drifts), ("trajectories' own parameters", located.own)):
-        yield (
-            locator,
-            [
-                {
-                    "p": drift.p,
-                    "words": drift.words,
-                    "parameter": drift.parameter,
-                    "covariate": drift.covariate,
-                    "change": change_document(drift.change),
-                }
-                for drift in drifts
-            ],
-        )
+    # with the stronger ones fitted, a drift may be of another size: it is a row of its own
+    drifts = [_drift_row(drift) for drift in located.drifts]
+    drifts[1:1] = [_drift_row(drift, BESIDES) for drift in located.leading[1:]]
+    yield "drifting parameters", drifts
+    yield "trajectories' own parameters", [_drift_row(drift) for drift in located.own]
     yield (
         "events",
         [

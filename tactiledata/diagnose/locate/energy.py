@@ -205,12 +205,13 @@ def _conditions(residuals: Residuals) -> Iterator[_Condition]:
         low, high = np.quantile(covariate.values, [1 / 3, 2 / 3])
         if not covariate.values.min() < low < high < covariate.values.max():
             continue
+        lower, upper = quantity(low, covariate.unit), quantity(high, covariate.unit)
         parts = {
-            f"{name} below {quantity(low, covariate.unit)}": covariate.values <= low,
-            f"{name} from {quantity(low, covariate.unit)} to {quantity(high, covariate.unit)}": (
+            f"{name} below {lower}": covariate.values <= low,
+            f"{name} about {lower}" if lower == upper else f"{name} from {lower} to {upper}": (
                 (covariate.values > low) & (covariate.values <= high)
             ),
-            f"{name} above {quantity(high, covariate.unit)}": covariate.values > high,
+            f"{name} above {upper}": covariate.values > high,
         }
         for words, frames in parts.items():
             yield _Condition(name, words, frames, all_components)

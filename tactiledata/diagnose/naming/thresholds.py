@@ -75,8 +75,10 @@ class DecisionThresholds:
         Number of trajectories times their precision, t q; 0 before `for_data`.
     error_size : float
         Size of the simulation's errors beside a candidate, in the usual one; at least 1. What errors bring in forms
-        that are not modelled grows with its square: so does the evidence that an effect needs which they resemble.
-        Another effect needs it in proportion.
+        that are not modelled grows with its third power: beyond ``usual_size``, so does the evidence that an effect
+        needs which they resemble. Another effect needs it in proportion.
+    usual_size : float
+        Size of the simulation's errors up to which ``claims`` are enough.
     at_bound : float
         Multiple of the needed evidence that an effect needs which errors of the simulation resemble, where nu stands at
         an end of its range: the simulation follows these data with no plausible gel, and errs more than elsewhere.
@@ -160,6 +162,7 @@ class DecisionThresholds:
     usual_saturation: float = 1000.0
     data: float = 0.0
     error_size: float = 1.0
+    usual_size: float = 1.26
     at_bound: float = 2.0
     broad_share: float = 0.5
     gain_sigmas: float = 2.0
@@ -207,7 +210,7 @@ class DecisionThresholds:
     def growth(self, names: Sequence[str]) -> float:
         """Return the factor on evidence that effects need: by the data, and by the size of the simulation's errors."""
         if self.is_resembled(names):
-            return (1.0 + self.data / self.saturation) * self.error_size**2
+            return (1.0 + self.data / self.saturation) * max(1.0, self.error_size / self.usual_size) ** 3
         return (1.0 + self.data / self.usual_saturation) * self.error_size
 
     def claim(self, name: str) -> float:

@@ -81,9 +81,10 @@ def ties_of_one(
 ) -> tuple[Tie, ...]:
     """Return the single effects that these data cannot tell from the best one, in the order of ``ranked``.
 
-    A plausible effect is a tie where its evidence beyond what it needs is within ``tie_margin`` of the best one's,
-    where it could be claimed itself or changes what the best one changes (cosine above ``tie``), and where it is not
-    needlessly wide.
+    A plausible effect is a tie where its evidence beyond what it needs is within ``tie_margin`` of the best one's, and
+    where it could be claimed itself or changes what the best one changes (cosine above ``tie``). An effect that could
+    be claimed itself is one as well where that holds of what both need beside errors of the simulation of the size
+    found. An effect that is needlessly wide is none.
 
     Parameters
     ----------
@@ -101,10 +102,7 @@ def ties_of_one(
     others = [
         other
         for other in ranked
-        if other.label != best.label
-        and not other.implausible
-        and best.beyond(thresholds) - other.beyond(thresholds)
-        <= thresholds.tie_margin(best.evidence, (*best.names, *other.names))
+        if other.label != best.label and not other.implausible and _is_near(other, best, thresholds)
     ]
     if not others:
         return ()
@@ -152,6 +150,15 @@ def ties_of_two(
         cosine = float(cosines(kept.fit.metric, [best.fit.effect_change, substitute.fit.effect_change])[0, 1])
         ties.append(Tie(other, named, substitute.label, cosine, float(apart.sum()), error_of_sum(apart)))
     return tuple(ties)
+
+
+def _is_near(other: ScoredCandidate, best: ScoredCandidate, thresholds: DecisionThresholds) -> bool:
+    """Whether the evidence of another effect beyond what it needs is within the margin of a tie of the best one's."""
+    margin = thresholds.tie_margin(best.evidence, (*best.names, *other.names))
+    if best.beyond(thresholds) - other.beyond(thresholds) <= margin:
+        return True
+    leads = best.evidence - best.needed(thresholds) - (other.evidence - other.needed(thresholds))
+    return leads <= margin and not other.objections(thresholds)
 
 
 def _is_needlessly_wide(

@@ -83,8 +83,8 @@ def test_less_than_a_trace_and_effects_without_other_gels_cost_no_play():
 
 @pytest.mark.parametrize("more", [0.9, 1.1])
 def test_beside_large_errors_of_the_simulation_a_trace_needs_more(more):
-    """Errors of three times the usual size raise by their square what a thickness needs to be worth full plays."""
-    one = replace(of_thickness(9.0 * more), error_size=3.0)
+    """Errors of three times the usual size raise by their third power what a thickness needs to be worth full plays."""
+    one = replace(of_thickness(27.0 * more), error_size=3.0 * T.usual_size)
     asked, *_ = run([naming([one])])
     assert asked == ([frozenset(), THICKNESS] if more > 1 else [frozenset()])
 

@@ -177,6 +177,23 @@ def test_a_store_that_lacks_backgrounds_falls_short(tmp_path, monkeypatch, capsy
     assert "sensors add D1" in err
 
 
+def test_each_reason_for_which_frames_are_left_out_is_counted_apart(tmp_path, monkeypatch, capsys):
+    """Frames of the other sensor, frames without a whole image, and those moved make up the store; no reason else."""
+    source = write_two_sensors(tmp_path / "ds.zarr", n_sources=2)
+    monkeypatch.chdir(tmp_path)
+    code, out, err = run_command(
+        capsys, "transfer", "--to", "D2", "--method", "background-swap", "--from", "D1", "--out", "moved.zarr"
+    )
+    assert code == 0, err
+    left = {
+        words: int(count.split()[0])
+        for count, words in (line.split(" left out: ") for line in out.splitlines() if " left out: " in line)
+    }
+    assert set(left) == {"of sensors other than D1", "without a whole image"}
+    assert left["without a whole image"] == 1
+    assert sum(left.values()) + Store.open(tmp_path / "moved.zarr").n_frames == source.n_frames
+
+
 def test_sheet_takes_pictures_of_any_size():
     """Cells of other sizes are shown at one height, rows of other lengths padded with white."""
     small, wide = np.zeros((32, 24, 3), np.uint8), np.zeros((120, 160, 3), np.uint8)
