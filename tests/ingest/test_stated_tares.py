@@ -87,7 +87,7 @@ class World:
         spans = self.spans
         if not named:
             rough = contact_wrench(description, self.wrench, self.tcp, [])
-            spans = [(t.name, t.start_ns, t.end_ns) for t in segment_by_contact(rough.signal, rough.noise, "")]
+            spans = [(t.name, t.start_ns, t.end_ns) for t in segment_by_contact(rough.signal, rough.noise, "")[0]]
         answer = contact_wrench(description, self.wrench, self.tcp, spans)
         return answer.signal.values, {finding.code for finding in answer.findings}
 

@@ -31,7 +31,7 @@ from tactiledata.ingest.trajectories.cut import (
 )
 from tactiledata.ingest.trajectories.identity import name_sensors, sensor_facts
 from tactiledata.ingest.trajectories.reference import find_references
-from tactiledata.ingest.trajectories.segment import beginning_finding, segment_by_contact, whole_recording
+from tactiledata.ingest.trajectories.segment import segment_by_contact, whole_recording
 
 Decode = Callable[[NDArray[np.int64]], list[NDArray[np.uint8] | None]]
 """Images (H, W, 3) RGB of rows in the order of the sink; ``None`` where there is none or it does not decode."""
@@ -184,8 +184,8 @@ def _cut(
         whole, finding = _everything(signals, captured)
         said.add(*finding)
         return whole, "whole recording", None
-    found = segment_by_contact(rough.signal, rough.noise, "")
-    said.add(*filter(None, [beginning_finding(rough.signal, rough.noise)]))
+    found, beginning = segment_by_contact(rough.signal, rough.noise, "")
+    said.add(*filter(None, [beginning]))
     if not found:
         said.add(*rough.findings, Finding("no-contact", "warning", "no contact was found in the wrench", "wrench"))
         return (), "contact onset and release", rough

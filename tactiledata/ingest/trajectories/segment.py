@@ -18,10 +18,14 @@ MERGE = 300_000_000
 """ns. Two contacts closer than this are one touch that lost contact for a moment."""
 
 
-def segment_by_contact(contact_wrench: StoredSignal, noise: float, sensor: str) -> tuple[Trajectory, ...]:
-    """Trajectories ``touch-0000``, ``touch-0001``… of a recording, by contact onset and release.
+def segment_by_contact(
+    contact_wrench: StoredSignal, noise: float, sensor: str
+) -> tuple[tuple[Trajectory, ...], Finding | None]:
+    """Return trajectories ``touch-0000``, ``touch-0001``… of a recording, and a finding on how it begins.
 
-    A force that is there at the first sample and gone within `MERGE` is none: see `beginning_finding`.
+    They go by contact onset and release. A force that is there at the first sample and gone within `MERGE` is none: no
+    touch begins so. The sensor was set to zero just after the recorder was started, or a touch just ended; the finding
+    says so, and is ``None`` where the recording begins otherwise.
 
     Parameters
     ----------
@@ -32,41 +36,25 @@ def segment_by_contact(contact_wrench: StoredSignal, noise: float, sensor: str) 
     sensor : str
         The recording's sensor, empty where it is not known.
     """
-    spans = _spans(contact_wrench, noise)
-    spans = spans[1:] if _is_beginning(contact_wrench, spans) else spans
+    spans = contact_spans(contact_wrench.t_ns, np.linalg.norm(contact_wrench.values[:, :3], axis=1), noise)
+    finding = None
+    if _is_beginning(contact_wrench, spans):
+        finding = _beginning(*spans.pop(0))
     trajectories = []
     for number, (start, end) in enumerate(spans):
         before = MARGIN if number == 0 else min(MARGIN, (start - spans[number - 1][1]) // 2)
         after = MARGIN if number == len(spans) - 1 else min(MARGIN, (spans[number + 1][0] - end) // 2)
         trajectories.append(Trajectory(f"touch-{number:04d}", int(start - before), int(end + after), sensor))
-    return tuple(trajectories)
+    return tuple(trajectories), finding
 
 
-def beginning_finding(contact_wrench: StoredSignal, noise: float) -> Finding | None:
-    """What is said of a force with which a recording begins and which is gone at once; ``None`` where there is none.
-
-    No touch begins so: the sensor was set to zero just after the recorder was started, or a touch just ended.
-
-    Parameters
-    ----------
-    contact_wrench : StoredSignal
-        Zero and tool weight taken off.
-    noise : float
-        N, one component in free air.
-    """
-    spans = _spans(contact_wrench, noise)
-    if not _is_beginning(contact_wrench, spans):
-        return None
-    start, end = spans[0]
+def _beginning(start: int, end: int) -> Finding:
+    """Return what is said of a force with which a recording begins and which is gone at once."""
     text = (
         f"wrench: a force at the first sample is gone after {(end - start) / 1e9:.2f} s. Was the sensor set to zero "
         "then, or did a touch end? It was taken for no touch"
     )
     return Finding("begins-under-force", "warning", text, "wrench", start_ns=start, end_ns=end)
-
-
-def _spans(contact_wrench: StoredSignal, noise: float) -> list[tuple[int, int]]:
-    return contact_spans(contact_wrench.t_ns, np.linalg.norm(contact_wrench.values[:, :3], axis=1), noise)
 
 
 def _is_beginning(contact_wrench: StoredSignal, spans: list[tuple[int, int]]) -> bool:

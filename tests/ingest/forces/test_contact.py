@@ -185,7 +185,7 @@ def test_touches_are_found_and_knocks_are_not():
     values[500:900, 2] += 5
     values[1500:1502, 2] += 20
     values[2000:2400, 2] += 3
-    found = segment_by_contact(stored(t_ns, values, "wrench"), 0.05, "D1")
+    found, _ = segment_by_contact(stored(t_ns, values, "wrench"), 0.05, "D1")
     assert len(found) == 2
     assert found[0].end_ns <= found[1].start_ns
     spans = contact_spans(t_ns, np.linalg.norm(values[:, :3], axis=1), 0.05)
@@ -197,7 +197,7 @@ def test_no_contact_no_trajectory():
     """Negative control: noise alone gives nothing."""
     values = np.random.default_rng(8).normal(0, 0.1, (5000, 6))
     t_ns = START + np.arange(5000) * 10_000_000
-    assert segment_by_contact(stored(t_ns, values, "wrench"), 0.1, "") == ()
+    assert segment_by_contact(stored(t_ns, values, "wrench"), 0.1, "") == ((), None)
 
 
 @pytest.mark.parametrize("taken", ["gravity", "centre_of_gravity"])
@@ -240,7 +240,7 @@ def test_poses_of_another_time_give_no_force_at_all():
         found = contact_wrench(description(), wrench, away, spans)
         assert np.isnan(found.signal.values).all()
         assert "weight-unknown" in {finding.code for finding in found.findings}
-        assert segment_by_contact(found.signal, found.noise, "") == ()
+        assert segment_by_contact(found.signal, found.noise, "") == ((), None)
 
 
 def test_an_arm_that_stands_needs_no_poses():

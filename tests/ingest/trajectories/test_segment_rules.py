@@ -5,7 +5,6 @@ import pytest
 
 from tactiledata.ingest.trajectories.segment import (
     MARGIN,
-    beginning_finding,
     contact_spans,
     segment_by_contact,
     whole_recording,
@@ -67,7 +66,7 @@ def segmented(*presses, axis=2):
     t_ns, force = forces(*presses, count=12_000)
     values = np.zeros((len(force), 6))
     values[:, axis] = force
-    found = segment_by_contact(signal("contact_wrench", t_ns, values), 0.0, "D1")
+    found, _ = segment_by_contact(signal("contact_wrench", t_ns, values), 0.0, "D1")
     return [(one.name, (one.start_ns - START) / MS, (one.end_ns - START) / MS, one.sensor) for one in found]
 
 
@@ -123,11 +122,10 @@ def test_a_force_at_the_beginning_is_no_touch(presses, touches, is_said):
     values = np.zeros((len(force), 6))
     values[:, 2] = force
     wrench = signal("contact_wrench", t_ns, values)
-    found = segment_by_contact(wrench, 0.0, "D1")
+    found, finding = segment_by_contact(wrench, 0.0, "D1")
     assert [touch.name for touch in found] == [f"touch-{number:04d}" for number in range(len(touches))]
     middles = [START + (first + last) // 2 * MS for first, last in touches]
     assert all(touch.start_ns < middle < touch.end_ns for touch, middle in zip(found, middles, strict=True))
-    finding = beginning_finding(wrench, 0.0)
     assert (finding is not None) == is_said
     if finding is not None:
         assert (finding.code, finding.start_ns) == ("begins-under-force", START)
