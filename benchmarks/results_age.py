@@ -72,13 +72,15 @@ def listed() -> list[Section]:
 
 def headings(page: str) -> list[str]:
     """Headings of the second level of a page, without those in printed output."""
-    return [line.removeprefix("## ") for line, is_output in _lines(page) if line.startswith("## ") and not is_output]
+    return [
+        line.removeprefix("## ") for line, is_output in page_lines(page) if line.startswith("## ") and not is_output
+    ]
 
 
 def marked(page: str, marks: dict[str, str]) -> str:
     """The page with a mark below each heading that has one, and no other marks."""
     kept: list[str] = []
-    lines = list(_lines(page))
+    lines = list(page_lines(page))
     for number, (line, is_output) in enumerate(lines):
         if MARK.match(line) and not is_output:
             continue
@@ -166,7 +168,7 @@ def _is_text(node: Any) -> bool:
     return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
 
 
-def _lines(page: str) -> Iterable[tuple[str, bool]]:
+def page_lines(page: str) -> Iterable[tuple[str, bool]]:
     """Lines of a page, each with whether it is printed output between fences."""
     is_output = False
     for line in page.rstrip("\n").split("\n"):
