@@ -87,9 +87,10 @@ def _by_locator(located: LocatorResults) -> Iterator[tuple[str, list[dict[str, A
     if located.gate is not None:
         yield "size of the residual", [{"p": located.gate.p, "words": located.gate.words}]
     yield "free air", [{"p": located.free_air.p, "words": located.free_air.words}]
-    # with the stronger ones fitted, a drift may be of another size: it is a row of its own
-    drifts = [_drift_row(drift) for drift in located.drifts]
-    drifts[1:1] = [_drift_row(drift, BESIDES) for drift in located.leading[1:]]
+    # the strongest, then those that remain with it fitted, and then all as they are beside nothing
+    strongest, beside = located.leading[:1], located.leading[1:]
+    drifts = [_drift_row(drift) for drift in strongest] + [_drift_row(drift, BESIDES) for drift in beside]
+    drifts += [_drift_row(drift) for drift in located.drifts if drift not in strongest]
     yield "drifting parameters", drifts
     yield "trajectories' own parameters", [_drift_row(drift) for drift in located.own]
     yield (

@@ -25,7 +25,8 @@ def test_a_drift_beside_a_stronger_one_is_a_row_with_the_words_of_its_sentence()
     rows = [row["words"] for row in findings(located) if row["locator"] == "drifting parameters"]
     for sentence in said:
         assert sentence.lower().rstrip(".") in [words.lower() for words in rows]
-    assert rows[0] == located.drifts[0].words
+    assert rows[0] == located.leading[0].words
+    assert len(rows) == len(set(rows))
     # one of a kind where no drift remains beside the strongest
     alone = replace(located, leading=located.leading[:1])
     assert not any(row["words"].startswith(BESIDES) for row in findings(alone))
