@@ -20,8 +20,8 @@ COUNTS = {
     "visible effects named": "visible effects named",
 }
 """Columns, and the first words of the printed lines that they are from."""
-SINCE = "A seventeenth ensemble"
-"""The first ensemble that was decided with today's rules: those from it on are summed. Another program begins anew."""
+RULES = {"A twenty-third ensemble": "the rules of today", "A seventeenth ensemble": "the rules of 28 and 29 November"}
+"""The first ensemble of each set of rules, the newest first: those from it on, up to the next set, are summed."""
 
 
 def slug(heading: str) -> str:
@@ -51,18 +51,23 @@ def rows(page: str) -> list[tuple[str, ...]]:
 
 
 def summed(found: list[tuple[str, ...]]) -> list[tuple[str, ...]]:
-    """The sums of the counts of ensembles that one program decided, as a row; none before the first of them.
+    """The sums of the counts of ensembles that one set of rules decided, a row for each set that has any.
 
     The newest ensembles come first.
     """
-    places = [place for place, row in enumerate(found) if row[0].startswith(f"[{SINCE}")]
-    if not places:
-        return []
-    same, sums = found[: places[0] + 1], []
-    for column in range(-len(COUNTS), 0):
-        pairs = [tuple(map(int, row[column].split(" of "))) for row in same if row[column] != "-"]
-        sums.append(f"{sum(few for few, _ in pairs)} of {sum(all_ for _, all_ in pairs)}")
-    return [(f"**the {len(same)} ensembles with the rules of today**", "", "", "", "", *sums)]
+    sums, newer = [], 0
+    for first, rules in RULES.items():
+        places = [place for place, row in enumerate(found) if row[0].startswith(f"[{first}")]
+        if not places:
+            continue
+        same, newer = found[newer : places[0] + 1], places[0] + 1
+        counts = []
+        for column in range(-len(COUNTS), 0):
+            pairs = [tuple(map(int, row[column].split(" of "))) for row in same if row[column] != "-"]
+            counts.append(f"{sum(few for few, _ in pairs)} of {sum(all_ for _, all_ in pairs)}")
+        ensembles = "the ensemble" if len(same) == 1 else f"the {len(same)} ensembles"
+        sums.append((f"**{ensembles} with {rules}**", "", "", "", "", *counts))
+    return sums
 
 
 def table(page: str) -> str:

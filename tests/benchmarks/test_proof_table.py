@@ -1,6 +1,6 @@
 """The table of all ensembles on the page of the proof."""
 
-from proof_table import PAGE, SINCE, rows, slug, summed, table, with_table
+from proof_table import PAGE, RULES, rows, slug, summed, table, with_table
 
 SECTION = """## A third: x, y
 `tactiledata prove --out a --generators layer,analytic --plans wedge-5 --nulls 2`, commit 1a2b3c4d, 2026-11-27. Words.
@@ -30,18 +30,21 @@ def test_a_section_without_a_score_has_no_row():
     assert rows(SECTION.partition("```")[0]) == []
 
 
-def test_ensembles_of_one_program_are_summed():
-    """The newest rows, down to the first with these rules; a dash counts for nothing, and older rows do not count."""
+def test_ensembles_of_one_set_of_rules_are_summed():
+    """Rows from the first with a set of rules up to the next set; a dash counts for nothing, older rows do not count."""
     row = ("layer", "wedge-5", "1a2b3c4d", "2026-11-27")
+    newest, before = RULES
     found = [
+        (f"[{newest}: w](#w)", *row, "0 of 2", "-", "1 of 2"),
         ("[A third](#a)", *row, "1 of 8", "-", "4 of 16"),
-        (f"[{SINCE}: x](#b)", *row, "0 of 4", "2 of 9", "5 of 6"),
+        (f"[{before}: x](#b)", *row, "0 of 4", "2 of 9", "5 of 6"),
         ("[An old](#c)", *row, "3 of 3", "3 of 3", "0 of 3"),
     ]
-    ((name, *_, nulls, wrong, visible),) = summed(found)
-    assert "2 ensembles" in name
-    assert (nulls, wrong, visible) == ("1 of 12", "2 of 9", "9 of 22")
-    assert summed(found[2:]) == []
+    sums = {name: counts for name, *_, nulls, wrong, visible in summed(found) if (counts := (nulls, wrong, visible))}
+    assert list(sums) == [f"**the ensemble with {RULES[newest]}**", f"**the 2 ensembles with {RULES[before]}**"]
+    assert list(sums.values()) == [("0 of 2", "0 of 0", "1 of 2"), ("1 of 12", "2 of 9", "9 of 22")]
+    assert len(summed(found[1:])) == 1
+    assert summed(found[3:]) == []
 
 
 def test_a_table_is_replaced_and_nothing_else():
