@@ -31,7 +31,7 @@ def test_a_section_without_a_score_has_no_row():
 
 
 def test_ensembles_of_one_set_of_rules_are_summed():
-    """Rows from the first with a set of rules up to the next set; a dash counts for nothing, older rows do not count."""
+    """Rows from the first with a set of rules up to the next set; dashes count for nothing, nor do older rows."""
     row = ("layer", "wedge-5", "1a2b3c4d", "2026-11-27")
     newest, before = RULES
     found = [
