@@ -17,6 +17,7 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
+from proof_table import slug
 from results_age import PAGE, ROOT, listed, page_lines
 
 from tactiledata.contract.atomic import write_atomic
@@ -60,8 +61,7 @@ def printed_files(page: str) -> dict[str, str]:
             **{key: one[key] for key in ("command", "commit", "date")},
             "printed": list(printed(section_lines(page, one["heading"]))),
         }
-        slug = re.sub(r"[^a-z0-9]+", "-", one["heading"].lower()).strip("-")
-        files[f"{slug}.json"] = json.dumps(document, indent=1, ensure_ascii=False) + "\n"
+        files[f"{slug(one['heading'])}.json"] = json.dumps(document, indent=1, ensure_ascii=False) + "\n"
     return files
 
 

@@ -105,9 +105,10 @@ def main() -> int:
     parser.add_argument("--out", type=Path, default=Path("bench-out"), help="folder of what is kept")
     parser.add_argument("--quick", action="store_true")
     options = parser.parse_args()
+    names = list(dict.fromkeys(part.name for part in LISTS[options.what]))
+    if unknown := [name for name in options.only or [] if name not in names]:
+        parser.error(f"{', '.join(unknown)}: no part has such a name; there are {', '.join(names)}")
     parts = [part for part in LISTS[options.what] if not options.only or part.name in options.only]
-    if not parts:
-        parser.error(f"no part has such a name; there are {', '.join(part.name for part in LISTS[options.what])}")
     options.out.mkdir(parents=True, exist_ok=True)
     outcomes = []
     for number, part in enumerate(parts, 1):
@@ -135,13 +136,13 @@ def ran(part: Part, log: Path, *, is_quick: bool, environment: dict[str, str] | 
         Its environment; ours where ``None``.
     """
     drawn = ("--picture", str(log.parent / part.picture)) if part.picture else ()
-    command = [f"{part.name}.py", *(("--quick",) if is_quick else part.options), *drawn]
+    script = Path(__file__).resolve().parent / f"{part.name}.py"
+    options = [*(("--quick",) if is_quick else part.options), *drawn]
     began, targets = time.monotonic(), []
-    where = Path(__file__).resolve().parent
     with (
         log.open("w", encoding="utf-8") as kept,
         subprocess.Popen(
-            [sys.executable, "-u", where / command[0], *command[1:]],
+            [sys.executable, "-u", script, *options],
             env=environment,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
@@ -155,7 +156,7 @@ def ran(part: Part, log: Path, *, is_quick: bool, environment: dict[str, str] | 
             kept.write(line)
             targets += TARGETS.findall(line)
         code = process.wait()
-    return Outcome(" ".join(command), (time.monotonic() - began) / 60.0, code, targets)
+    return Outcome(" ".join([script.name, *options]), (time.monotonic() - began) / 60.0, code, targets)
 
 
 if __name__ == "__main__":

@@ -55,12 +55,13 @@ def test_a_run_keeps_what_it_printed(tmp_path):
     assert (name, option, counted) == ("scale_splits.py", "--quick", ["2", "of", "2", "yes"])
 
 
-def test_an_unknown_part_is_named(tmp_path):
-    """A name that no part has ends the run with the names that there are."""
-    asked = [sys.executable, FOLDER / "run_all.py", "--only", "everything", "--out", tmp_path / "kept"]
-    done = subprocess.run(asked, capture_output=True, text=True, check=False, timeout=60)
+@pytest.mark.parametrize("asked", [["everything"], ["scale_splits", "everything"]])
+def test_an_unknown_part_is_named(asked, tmp_path):
+    """A name that no part has ends the run before any part, with the names that there are."""
+    command = [sys.executable, FOLDER / "run_all.py", "--quick", "--out", tmp_path / "kept", "--only", *asked]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
     assert done.returncode == 2
-    assert "no part has such a name; there are ingest_mcap" in done.stderr
+    assert "everything: no part has such a name; there are ingest_mcap" in done.stderr
     assert not (tmp_path / "kept").exists()
 
 

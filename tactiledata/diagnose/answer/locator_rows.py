@@ -72,7 +72,7 @@ def change_document(change: Change) -> dict[str, Any]:
 
 
 def _drift_row(drift: Drift, begin: str = "") -> dict[str, Any]:
-    """Return a drift as a row; its words may have a begin."""
+    """Return a drift as a row, with other words before its own where they are given."""
     return {
         "p": drift.p,
         "words": f"{begin}{drift.words}",
