@@ -28,7 +28,9 @@ from tactiledata.calibrate.plays.estimated_plays import Estimates
 from tactiledata.compute import make_scheduler
 from tactiledata.gel.elasticity.compliance import cache_folder
 from tactiledata.prove.answers.named import named_world
+from tactiledata.prove.cases.kinds import NULLS, VISIBLE
 from tactiledata.prove.request import ProofRequest
+from tactiledata.prove.score.scored_case import ScoredCase
 from tactiledata.prove.seal.folder import ProofFolder, read_json, read_readings
 from tactiledata.prove.seal.verify import scored_cases
 from tactiledata.prove.worlds.logs import LogReadings
@@ -132,7 +134,9 @@ def main() -> None:
         kept.append(outcome.value)
         with file.open("a") as out:
             out.write(json.dumps(outcome.value) + "\n")
-    compare({(one["way"], one["case"]): one for one in kept}, {name: case.hidden for name, case in cases.items()})
+    answers = {(one["way"], one["case"]): one for one in kept}
+    compare(answers, {name: case.hidden for name, case in cases.items()})
+    print_named(answers, cases)
 
 
 def in_words(answer: dict[str, Any]) -> str:
@@ -156,6 +160,15 @@ def compare(answers: dict[tuple[str, str], dict[str, Any]], hidden: dict[str, st
     for what, values in zip(("E", "nu", "mu"), zip(*apart, strict=True), strict=True):
         sizes = [100 * abs(value) for value in values]
         print(f"{what} of the plain fit apart: median {statistics.median(sizes):.2f} %, largest {max(sizes):.2f} %")
+
+
+def print_named(answers: dict[tuple[str, str], dict[str, Any]], cases: dict[str, ScoredCase]) -> None:
+    """Print of either way how many visible effects are named, and how many worlds that hide nothing get a name."""
+    for way in WAYS:
+        names = {name: {*answers[way, name]["set"], *answers[way, name]["zeros"]} for name in cases}
+        right = [set(case.label["truth"]) <= names[name] for name, case in cases.items() if case.kind == VISIBLE]
+        false = [bool(names[name]) for name, case in cases.items() if case.kind == NULLS]
+        print(f"{way}: {sum(right)} of {len(right)} visible effects named, {sum(false)} of {len(false)} nulls")
 
 
 if __name__ == "__main__":

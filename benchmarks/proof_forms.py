@@ -6,11 +6,11 @@ A PROOF is a folder that `tactiledata prove --out` made and answered; the soluti
 its plans are kept where that command keeps them. For each visible case the generator tells its wrenches without noise,
 with what is hidden and without. The change between the two, beyond what E, nu, mu, contact offsets and errors of the
 simulation take up, is compared with the signature of every effect of the catalogue, to first order and at the shapes
-that a screen tries. The cosine says what share of the signal an effect can take: the share of its square.
+that a screen tries. The square of the cosine is the share of the signal's square that an effect can take.
 
-An effect whose cosine with its own entry of the catalogue is small cannot be named by any threshold: the formula that
-hides it and the one that looks for it differ in what a calibration leaves. To first order alone an effect whose shape
-is fitted afterwards (the time of a jump, say) seems less alike than it is.
+Where the cosine with an effect's own entry of the catalogue is small, a fit of that entry has little to find: the
+formula that hides it and the one that looks for it differ in what a calibration leaves. To first order alone an effect
+whose shape is fitted afterwards (the time of a jump, say) seems less alike than it is.
 """
 
 from __future__ import annotations

@@ -1,6 +1,8 @@
 """Answers from estimated plays beside answers from plays that are all made: what counts as the same."""
 
-from estimated_answers import compare
+from estimated_answers import compare, print_named
+
+from tactiledata.prove.score.scored_case import ScoredCase
 
 SAME = {"verdict": "nothing found", "set": [], "nearest": ["lag"], "zeros": [], "before": [0.9e6, 0.47, 0.6]}
 
@@ -34,3 +36,15 @@ def test_parameters_are_apart_in_per_cent_of_the_answer_that_was_made(capsys):
     told = capsys.readouterr().out
     assert "E of the plain fit apart: median 50.00 %, largest 100.00 %" in told
     assert "nu of the plain fit apart: median 0.00 %, largest 0.00 %" in told
+
+
+def test_visible_effects_and_nulls_that_are_named_are_counted_both_ways(capsys):
+    """What a fit or the readings name counts; a name in a world that hides nothing counts by itself."""
+    label = {"a": {"kind": "nulls", "truth": []}, "b": {"kind": "visible", "truth": ["lag"]}}
+    cases = {name: ScoredCase(name, label[name], {}, 1.0) for name in "ab"}
+    print_named(answers(zeros=["lag"]), cases)
+    told = capsys.readouterr().out
+    assert "all made: 0 of 1 visible effects named, 0 of 1 nulls" in told
+    assert "estimated: 1 of 1 visible effects named, 0 of 1 nulls" in told
+    print_named({**answers(), ("all made", "a"): {**SAME, "set": ["dome"]}}, cases)
+    assert "all made: 0 of 1 visible effects named, 1 of 1 nulls" in capsys.readouterr().out
