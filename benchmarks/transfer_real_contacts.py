@@ -184,8 +184,10 @@ def values(method: TransferMethod, contacts: Contacts, target: np.ndarray, style
     away = ~touched(theirs)
     rows.append(np.array([np.abs(change)[mask].mean() for change, mask in zip(ours, away, strict=True)]))
     if style:
-        against = np.broadcast_to(target, pictures.shape)
-        rows.append(GRAM_STYLE.scores["gram_style_random"].compute(moved, against, away, away))
+        # each picture beside the target under the same mask: another press's mask is another piece of the target
+        distance = GRAM_STYLE.scores["gram_style_random"].compute
+        pairs = zip(moved[:, None], away[:, None], strict=True)
+        rows.append(np.concatenate([distance(one, target[None], mask, mask) for one, mask in pairs]))
     return np.stack(rows)
 
 

@@ -81,18 +81,27 @@ def score_backgrounds(
                 "--replace`.",
             )
         for target in targets:
-            untouched, there = _compared(target.background, outside)
             for metric, score in of_pictures:
-                values = score.compute(pictures, untouched, outside, there)
+                values = _values(score, pictures, target.background, outside)
                 interval = bootstrap(values, located.trajectories)
                 yield PairScore(metric, score, located.name, target.name, located.kind, KIND, OUTSIDE, interval)
 
 
-def _compared(background: PictureArray, outside: NDArray[np.bool_]) -> tuple[PictureArray, NDArray[np.bool_]]:
-    """Return a background as the other set, and its masks: those of the pictures where the sizes are equal."""
-    if background.shape[:2] == outside.shape[1:]:
-        return np.broadcast_to(background, (len(outside), *background.shape)), outside
-    return background[None], np.ones((1, *background.shape[:2]), bool)
+def _values(
+    score: Score, pictures: PictureArray, background: PictureArray, outside: NDArray[np.bool_]
+) -> NDArray[np.float64]:
+    """Scores (n,) of pictures against a background, each under its own mask where the sizes are equal.
+
+    Under the masks of other pictures, other places of the background would be compared: what is brighter there would
+    count as another look. A picture whose mask is empty is NaN.
+    """
+    if background.shape[:2] != outside.shape[1:]:
+        return score.compute(pictures, background[None], outside, np.ones((1, *background.shape[:2]), bool))
+    values = np.full(len(pictures), np.nan)
+    for row in np.flatnonzero(outside.any(axis=(1, 2))):
+        mask = outside[row : row + 1]
+        values[row] = score.compute(pictures[row : row + 1], background[None], mask, mask)[0]
+    return values
 
 
 def unlocated(store: Store, sets: Sequence[SensorSet]) -> list[str]:

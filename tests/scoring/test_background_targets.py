@@ -102,6 +102,24 @@ def test_touched_pixels_change_nothing(tiny, monkeypatch, metric):
     assert values == [(pytest.approx(best, abs=LEAK[metric]), best) for _, best in values]
 
 
+@pytest.mark.parametrize("metric", LEAK)
+def test_each_picture_is_compared_under_its_own_mask(tiny, monkeypatch, metric):
+    """Pictures that are the target itself score best, wherever their contacts are; one without any outside is NaN."""
+    target = Target("T", load_background("digit-bg-6"), "made")
+    masks = np.zeros((3, 320, 240), bool)
+    masks[0, :150] = True
+    masks[1, 170:] = True
+    masks[2] = True
+    module = "tactiledata.scoring.background_targets"
+    monkeypatch.setattr(f"{module}.contact_masks", lambda pictures, _: masks)
+    monkeypatch.setattr(f"{module}.load_pictures", lambda _, some: np.stack([target.background] * 3))
+    taken = []
+    monkeypatch.setattr(f"{module}.bootstrap", lambda values, _: taken.append(values))
+    scores = chosen_scores([metric])
+    list(score_backgrounds(tiny, scores, sensor_sets(tiny, 3)[:1], [target]))
+    np.testing.assert_allclose(taken[0], [scores[0][1].best] * 2 + [np.nan], atol=1e-12)
+
+
 def test_what_cannot_be_scored_is_refused(tiny):
     """Latent scores need touches of the target; a set without a background has no known contact."""
     target = Target("T", load_background("digit-bg-6"), "made")
