@@ -179,7 +179,7 @@ class Knee(Law):
 
     def reported(self, reading: RealArray) -> RealArray:
         """Return the reading (n, 6), N and N m, with a knee."""
-        limit = 1.0 / self.strength
+        limit = 1.0 / self.strength if self.strength else np.inf
         out = reading.copy()
         beyond = np.maximum(np.abs(reading[:, :3]) - limit, 0.0)
         out[:, :3] -= np.sign(reading[:, :3]) * beyond * (2.0 / 3.0)
