@@ -124,15 +124,20 @@ def test_pursuit_agrees_with_a_plain_twin():
 
 
 def test_terms_that_are_used_up_get_no_votes():
-    """Two terms explain all: their sum, numbered 0, is chosen by no half, and no term where no residual is left."""
+    """Two terms explain all: no half chooses a third one, where no residual is left.
+
+    Beside the first of two terms, the second and their sum, numbered 0, explain the rest alike: either may be chosen.
+    """
     first, second = np.linalg.qr(np.random.default_rng(3).normal(size=(5, 2)))[0].T
     design = np.stack([first + second, first, second], axis=1)
     # eight units of exchange, all alike
     scores = np.tile(design.T @ (5.0 * first - 3.0 * second), (8, 1))
     grams = np.tile(design.T @ design, (8, 1, 1))
-    assert pursue(scores[:1], grams[:1]).tolist() == [[1, 2, -1]]
+    (picks,) = pursue(scores[:1], grams[:1]).tolist()
+    assert picks in ([1, 2, -1], [1, 0, -1])
     choices = stable_choices(scores, grams, np.random.default_rng(0))
-    assert {int(place): choice.inclusion for choice in choices for place in choice.members} == {1: 1.0, 2: 1.0}
+    votes = {int(place): choice.inclusion for choice in choices for place in choice.members}
+    assert votes == {1: 1.0, picks[1]: 1.0}
     assert pursue(np.zeros((1, 3)), grams[:1]).tolist() == [[-1, -1, -1]]
 
 
