@@ -15,11 +15,9 @@ import numpy as np
 from tactiledata.arrays import RealArray, Times
 from tactiledata.rig.contact.contact import CONTACT_RATE, TouchSetup
 from tactiledata.rig.hidden.base import FrictionFactor, HiddenEffect, Parameters, RealTouch, TouchFacts
+from tactiledata.rig.hidden.sensor import ARM
 from tactiledata.rig.hidden.time import relaxed
 from tactiledata.rig.motion.motion import Path
-
-LEVER = 0.02
-"""Length, m, that turns a force into a torque of the same importance."""
 
 
 @dataclass(frozen=True)
@@ -138,7 +136,7 @@ class SwingingZero(Law):
         way = rng.normal(size=6)
         way /= np.linalg.norm(way[:3])
         swing = self.strength * np.sin(2 * np.pi * seconds / 240.0 + rng.uniform(0, 2 * np.pi))
-        return values + swing[:, None] * way * np.array([1.0, 1.0, 1.0, LEVER, LEVER, LEVER])
+        return values + swing[:, None] * way * np.array([1.0, 1.0, 1.0, ARM, ARM, ARM])
 
 
 class OneAxisGain(Law):
@@ -163,7 +161,7 @@ class Hysteresis(Law):
 
     def sensed(self, values: RealArray, seconds: RealArray, rng: np.random.Generator) -> RealArray:
         """Return loads (n, 6), N and N m, behind the play."""
-        width = self.strength * np.array([1.0, 1.0, 1.0, LEVER, LEVER, LEVER])
+        width = self.strength * np.array([1.0, 1.0, 1.0, ARM, ARM, ARM])
         out = np.empty_like(values)
         held = values[0]
         for row, load in enumerate(values):

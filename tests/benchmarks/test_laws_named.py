@@ -28,7 +28,7 @@ LOADS = np.random.default_rng(5).normal(0.0, 6.0, (500, 6))
 
 
 def rng():
-    """The same random numbers for two calls."""
+    """Return a generator that gives the same random numbers after every call."""
     return np.random.default_rng(7)
 
 

@@ -139,6 +139,14 @@ def test_terms_that_are_used_up_get_no_votes():
     votes = {int(place): choice.inclusion for choice in choices for place in choice.members}
     assert votes == {1: 1.0, picks[1]: 1.0}
     assert pursue(np.zeros((1, 3)), grams[:1]).tolist() == [[-1, -1, -1]]
+    # without rounding the first of equal terms is chosen, here before their sum, numbered 3
+    first, second, third = np.eye(5)[:3]
+    design = np.stack([third, first, second, first + second], axis=1)
+    scores = np.tile(design.T @ (5.0 * first - 3.0 * second), (8, 1))
+    grams = np.tile(design.T @ design, (8, 1, 1))
+    assert pursue(scores[:1], grams[:1]).tolist() == [[1, 2, -1]]
+    choices = stable_choices(scores, grams, np.random.default_rng(0))
+    assert {int(place): choice.inclusion for choice in choices for place in choice.members} == {1: 1.0, 2: 1.0}
 
 
 def test_halves_are_complementary():
