@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import socket
 import time
@@ -109,8 +110,7 @@ class DaskScheduler(Scheduler):
         from distributed import CancelledError, KilledWorker
 
         try:
-            self._wait(client, task, future)
-            outcome: Outcome[Any, Any] = future.result()
+            outcome: Outcome[Any, Any] = self._result(client, task, future)
             future.release()  # a worker that is lost later does not do it again
             return outcome
         except KilledWorker as error:
@@ -129,17 +129,17 @@ class DaskScheduler(Scheduler):
                 "Start it anew, and run the command again to go on; finished tasks are kept.",
             ) from error
 
-    def _wait(self, client: Any, task: Any, future: Any) -> None:
-        """Wait until a task is done; a cluster that has lost all of its workers for long would never do it."""
-        from distributed import wait
-
+    def _result(self, client: Any, task: Any, future: Any) -> Any:
+        """Return what a task gave; a cluster that has lost all of its workers for long would never send it."""
         lost_since: float | None = None
+        sent = client.gather(future, asynchronous=True)
+        gathered = asyncio.run_coroutine_threadsafe(sent, client.loop.asyncio_loop)
         while True:
             try:
-                with client.as_current():
-                    wait(future, timeout=LOOK_AGAIN)
-                return
+                return gathered.result(timeout=LOOK_AGAIN)
             except TimeoutError:
+                if gathered.done():  # the task's own
+                    raise
                 lost_since = None if client.ncores() else lost_since or time.monotonic()
             if lost_since is not None and time.monotonic() - lost_since >= WORKER_TIMEOUT:
                 raise TactileDataError(

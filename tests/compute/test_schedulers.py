@@ -5,6 +5,7 @@ import re
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
@@ -190,8 +191,11 @@ def end_process(number):
 
 
 @pytest.mark.slow
-def test_a_lost_scheduler_and_lost_workers_are_said(monkeypatch, caplog):
-    """No workers at the start are wrong usage; workers or a scheduler lost on the way end the run with advice."""
+def test_a_lost_scheduler_and_lost_workers_are_said(monkeypatch, caplog, tmp_path):
+    """No workers at the start are wrong usage; workers or a scheduler lost on the way end the run with advice.
+
+    So it is for workers that are lost at a task, and for those that are lost between a task's end and its result.
+    """
     pytest.importorskip("distributed")
     started = []
 
@@ -217,6 +221,21 @@ def test_a_lost_scheduler_and_lost_workers_are_said(monkeypatch, caplog):
             patch.setattr("tactiledata.compute.dask.WORKER_TIMEOUT", 0.5)
             worker.kill()
             with pytest.raises(TactileDataError, match=r"has lost all its workers at 60\.0; .*Start new ones"):
+                list(outcomes)
+        worker = start("worker", address, "--nthreads", "1", "--no-nanny")
+        done = [tmp_path / str(number) for number in range(3)]
+        with monkeypatch.context() as patch:
+            patch.setattr("tactiledata.compute.dask.LOOK_AGAIN", 0.2)
+            outcomes = SCHEDULERS["dask"](address).outcomes(Path.touch, done, 2)
+            assert next(outcomes).is_ok
+            end = time.monotonic() + 60.0
+            while not done[1].exists():
+                assert time.monotonic() < end
+                time.sleep(0.01)
+            time.sleep(1.0)  # the scheduler is told that it is done
+            patch.setattr("tactiledata.compute.dask.WORKER_TIMEOUT", 0.5)
+            worker.kill()
+            with pytest.raises(TactileDataError, match="has lost all its workers at"):
                 list(outcomes)
         start("worker", address, "--nthreads", "1", "--no-nanny")
         # a function that a worker finds without the folder of this test

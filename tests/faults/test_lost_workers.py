@@ -33,9 +33,13 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def restarting_cluster():
-    """Two workers, each of which is started anew when it was killed."""
+    """Two workers, each of which is started anew when it was killed.
+
+    A local cluster gives up a worker that is not back after 15 s; on a busy machine a process needs longer to start.
+    """
     distributed = pytest.importorskip("distributed")
-    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster:
+    patience = pytest.importorskip("dask").config.set({"distributed.deploy.lost-worker-timeout": "0.2s"})
+    with patience, distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster:
         yield cluster
 
 
