@@ -38,7 +38,7 @@ def restarting_cluster():
     A local cluster gives up a worker that is not back after 15 s; on a busy machine a process needs longer to start.
     """
     distributed = pytest.importorskip("distributed")
-    patience = pytest.importorskip("dask").config.set({"distributed.deploy.lost-worker-timeout": "0.2s"})
+    patience = pytest.importorskip("dask").config.set({"distributed.deploy.lost-worker-timeout": "600s"})
     with patience, distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster:
         yield cluster
 
