@@ -180,6 +180,43 @@ def time_left(done: int, total: int, seconds: float) -> str:
     return f", about {left / 60:.0f} min left" if left >= 60.0 else ""
 
 
+class _PrintedSteps:
+    """When which steps were done, for progress that is printed as lines.
+
+    Work may have several parts, each with a number of steps of its own: the time that is left is told from the steps of
+    the present part.
+
+    Parameters
+    ----------
+    now : float
+        Seconds on a clock that never goes back.
+    """
+
+    def __init__(self, now: float) -> None:
+        self._printed, self._tenth = now, -1
+        self._began, self._first = now, 0
+        self._done, self._total = 0, 0
+
+    def left(self, done: int, total: int, now: float) -> str | None:
+        """Return how long the steps that are left take, as `time_left` says it; ``None`` if no line is to be printed.
+
+        Parameters
+        ----------
+        done, total : int
+            Number of finished steps, and of all steps.
+        now : float
+            As above.
+        """
+        if self._total and (total != self._total or done < self._done):  # another part of the work
+            self._began, self._first, self._tenth = now, done, -1
+        self._done, self._total = done, total
+        tenth = done * 10 // max(total, 1)
+        if tenth == self._tenth and now - self._printed <= QUIET_SECONDS:
+            return None
+        self._printed, self._tenth = now, tenth
+        return time_left(done - self._first, total - self._first, now - self._began)
+
+
 @contextmanager
 def progress(title: str, quiet: bool = False) -> Iterator[Progress]:
     """Give the block a function to report progress to: it draws a bar on a terminal, and prints lines elsewhere.
@@ -191,16 +228,13 @@ def progress(title: str, quiet: bool = False) -> Iterator[Progress]:
         yield no_progress
         return
     if not console.is_terminal:
-        tenths, moment = [-1], [time.monotonic()]
-        began = moment[0]
+        printed = _PrintedSteps(time.monotonic())
 
         def line(done: int, total: int, what: str = "") -> None:
             """Print a line at every tenth of the steps, and after a long silence."""
-            tenth, now = done * 10 // max(total, 1), time.monotonic()
-            if tenth != tenths[0] or now - moment[0] > QUIET_SECONDS:
-                tenths[0], moment[0] = tenth, now
-                said = f"{title}: {done}/{total}{' ' * bool(what)}{what}{time_left(done, total, now - began)}"
-                console.print(plain(said))
+            left = printed.left(done, total, time.monotonic())
+            if left is not None:
+                console.print(plain(f"{title}: {done}/{total}{' ' * bool(what)}{what}{left}"))
 
         yield line
         return
