@@ -181,7 +181,7 @@ def time_left(done: int, total: int, seconds: float) -> str:
 
 
 class _PrintedSteps:
-    """When which steps were done, for progress that is printed as lines.
+    """Remembers which steps were done when, for progress that is printed as lines.
 
     Work may have several parts, each with a number of steps of its own: the time that is left is told from the steps of
     the present part.
