@@ -60,7 +60,8 @@ OWN = {
     "tool_weight": "sensor and clock",
     "rate_friction": "friction", "static_friction": "friction", "area_friction": "friction", "partial_slip": "friction",
 }  # fmt: skip
-"""Where an effect of the catalogue acts; the others act in the gel, the indenter and the arm."""
+"""Part of the rig in which each effect of the catalogue acts, by the effect's name, as the second table groups them; an
+effect that is not listed acts in the gel, the indenter or the arm (``ELSEWHERE``)."""
 ELSEWHERE = "gel, indenter, arm"
 
 

@@ -16,13 +16,12 @@ import argparse
 import re
 import statistics
 from dataclasses import dataclass
-from pathlib import Path
 
+from proof_table import PAGE
 from timing import table
 
 from tactiledata.prove.cases.truth import TITLES
 
-PAGE = Path(__file__).parents[1] / "docs" / "proof.md"
 OBJECTIONS = {
     "evidence": r"errors of the simulation alone can bring up to",
     "two trajectories": r"without the two trajectories that contribute",
@@ -74,14 +73,14 @@ class Miss:
 
 
 def misses(page: str) -> list[Miss]:
-    """Return the misses on a page to which there is an objection, each case once, in order."""
-    found: dict[tuple[str, str], Miss] = {}
+    """Return the misses on a page to which there is an objection, each case once, by its last line on the page."""
+    found: dict[str, Miss] = {}
     for one in MISS.finditer(page):
         places = {word: re.search(said, one["against"]) for word, said in OBJECTIONS.items()}
         first = min((place.start(), word) for word, place in places.items() if place)[1]
         hidden = tuple(TITLES.get(name, name) for name in one["hidden"].split(" + "))
         name = f"{one['case'][:8]} {one['where']}"
-        found[one["case"], first] = Miss(name, hidden, tuple(one["nearest"].split(" + ")), float(one["signal"]), first)
+        found[one["case"]] = Miss(name, hidden, tuple(one["nearest"].split(" + ")), float(one["signal"]), first)
     return list(found.values())
 
 
