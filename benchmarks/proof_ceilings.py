@@ -1,6 +1,6 @@
 """Print the evidence that the best formula could bring in visible cases of a sealed proof, beside what a claim needs.
 
-    python benchmarks/proof_ceilings.py PROOF [PROOF ...] [--bank BANK] [--json FILE]
+    python benchmarks/proof_ceilings.py PROOF [PROOF ...] [--workers N] [--bank BANK] [--json FILE]
 
 A PROOF is a folder that `tactiledata prove --out` made and answered; the solutions of its generators and the plays of
 its plans are kept where that command keeps them. For each case with one effect of the catalogue the generator tells
@@ -16,13 +16,13 @@ large as these data allow could look the same. Where it is above, a formula that
 
 from __future__ import annotations
 
-import argparse
 import statistics
 from collections.abc import Mapping, Sequence
-from pathlib import Path
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from proof_cases import ProofCase, of_cases, proof_cases, proof_parser
 from timing import header, table
 
 from tactiledata.arrays import Array
@@ -41,28 +41,36 @@ from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.naming.own_error_sizes import with_estimated_own_sizes
 from tactiledata.diagnose.touches.touch_case import TouchSet
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
-from tactiledata.gel.elasticity.compliance import cache_folder
-from tactiledata.prove.cases.configuration import Configuration, played_plan
-from tactiledata.prove.cases.drawn_world import DrawnWorld
+from tactiledata.effects import EFFECTS
+from tactiledata.effects.base import SLOT_TITLES, SLOTS
 from tactiledata.prove.cases.kinds import CONCEALED, VISIBLE
 from tactiledata.prove.cases.oracle import with_wrenches
-from tactiledata.prove.score.outcome import IN_SET, NAMED
-from tactiledata.prove.score.scored_case import ScoredCase
-from tactiledata.prove.seal.folder import ProofFolder, read_readings
-from tactiledata.prove.seal.verify import scored_cases
-from tactiledata.prove.worlds.logs import LogReadings
 from tactiledata.prove.worlds.played_plan import START
 
-OWN = {
-    "lag": "sensor and clock", "clock_skew": "sensor and clock", "sensor_drift": "sensor and clock",
-    "gain_crosstalk": "sensor and clock", "frame_rotation": "sensor and clock", "quantisation": "sensor and clock",
-    "clipping": "sensor and clock", "inertia": "sensor and clock", "cable_drag": "sensor and clock",
-    "tool_weight": "sensor and clock",
-    "rate_friction": "friction", "static_friction": "friction", "area_friction": "friction", "partial_slip": "friction",
-}  # fmt: skip
-"""Part of the rig in which each effect of the catalogue acts, by the effect's name, as the second table groups them; an
-effect that is not listed acts in the gel, the indenter or the arm (``ELSEWHERE``)."""
-ELSEWHERE = "gel, indenter, arm"
+
+@dataclass(frozen=True)
+class _Setting:
+    """One choice of sizes of the simulation's errors, and the plain simulation fitted with it.
+
+    Parameters
+    ----------
+    white : WhitenedTouches
+        Trajectories with what is hidden, in units of noise and of these errors.
+    bare, exact : JointFit
+        Plain fit to the readings, and to them without the change by what is hidden.
+    penalty : float
+        What the sizes cost beside those that the readings want.
+    """
+
+    white: WhitenedTouches
+    bare: JointFit
+    exact: JointFit
+    penalty: float = 0.0
+
+    @property
+    def evidence(self) -> float:
+        """Evidence of an exact formula, before the dispersion."""
+        return 0.5 * (self.bare.cost - self.exact.cost) - self.penalty
 
 
 def ceiling(touch_set: TouchSet, change: Array, effect: str) -> dict[str, float]:
@@ -80,25 +88,24 @@ def ceiling(touch_set: TouchSet, change: Array, effect: str) -> dict[str, float]
     measured = np.concatenate([case.measured for case in touch_set.touches])
     without = with_wrenches(touch_set, measured - change)
     options = NamingOptions()
-    white = WhitenedTouches.of(touch_set, options.errors)
-    white, base = with_estimated_errors(white, plain_fit(white, START))
-    best, white_of_best, bare, penalty = _explained(white, base, without), white, base, 0.0
-    evidence = 0.5 * (base.cost - best.cost)
-    # with the sizes that suit the readings without the change
-    smaller = with_estimated_own_sizes(with_estimated_sizes(_other(white, without), best), best)
-    smaller = _other(smaller, touch_set)
-    base_there = joint_fit(smaller, with_errors_of(base.model, white, smaller))
-    best_there, penalty_there = _explained(smaller, base_there, without), size_penalty(white, base, smaller)
-    evidence_there = 0.5 * (base_there.cost - best_there.cost) - penalty_there
-    if evidence_there > evidence:
-        best, white_of_best, bare, penalty = best_there, smaller, base_there, penalty_there
-    cleaned = _other(white_of_best, without)
-    left = held_out(cleaned, best, options.seed).by_trajectory
+    plain = WhitenedTouches.of(touch_set, options.errors)
+    white, base = with_estimated_errors(plain, plain_fit(plain, START))
+    wanted = _Setting(white, base, joint_fit(replace(white, touch_set=without), base.model))
+    # sizes that suit the readings without the change
+    cleaned = replace(white, touch_set=without)
+    cleaned = with_estimated_own_sizes(with_estimated_sizes(cleaned, wanted.exact), wanted.exact)
+    smaller = replace(cleaned, touch_set=touch_set)
+    bare = joint_fit(smaller, with_errors_of(base.model, white, smaller))
+    suited = _Setting(smaller, bare, joint_fit(cleaned, bare.model), size_penalty(white, base, smaller))
+    best = max(wanted, suited, key=lambda setting: setting.evidence)
+    # the dispersion, and what a claim needs beside the errors that are left
+    cleaned = replace(best.white, touch_set=without)
+    left = held_out(cleaned, best.exact, options.seed).by_trajectory
     dispersion = max(1.0, float(left.sum() / cleaned.expected.sum()))
-    thresholds = options.thresholds.for_data(len(white.starts), white_of_best.precision)
-    size = typical_size(estimated_sizes(cleaned, best))
+    thresholds = options.thresholds.for_data(len(white.starts), best.white.precision)
+    size = typical_size(estimated_sizes(cleaned, best.exact))
     return {
-        "evidence": round(float(0.5 * (bare.cost - best.cost) - penalty) / dispersion, 1),
+        "evidence": round(best.evidence / dispersion, 1),
         "need": round(thresholds.with_errors(size).needed((effect,)), 1),
         "error_size": round(size, 2),
         "error_size_with": round(typical_size(estimated_sizes(white, base)), 2),
@@ -106,39 +113,12 @@ def ceiling(touch_set: TouchSet, change: Array, effect: str) -> dict[str, float]
     }
 
 
-def _other(white: WhitenedTouches, touch_set: TouchSet) -> WhitenedTouches:
-    """Trajectories with other readings, in the same units."""
-    return WhitenedTouches(touch_set, white.errors, white.trust, white.own, white.simulated)
-
-
-def _explained(white: WhitenedTouches, near: JointFit, without: TouchSet) -> JointFit:
-    """Plain simulation fitted to readings without the change, from where the fit with it ended."""
-    return joint_fit(_other(white, without), near.model)
-
-
-def compared(folder: ProofFolder, case: ScoredCase, bank: Path) -> dict[str, Any]:
+def compared(hidden: ProofCase) -> dict[str, Any]:
     """Return the ceiling of a case beside what was answered."""
-    label = case.label
-    configuration = Configuration(**label["configuration"])
-    world = DrawnWorld(played_plan(configuration.plan, bank, True), configuration, label["seed"])
-    maker = world.played.maker
-    felt = np.concatenate(maker.observed(world.readings(label["hidden"], is_exact=True)).wrenches)
-    read = maker.observed([LogReadings(*one) for one in read_readings(folder.case(case.name))])
-    (own,) = label["truth"]
-    found = ceiling(maker.cases(read, world.played.family), felt - world.clean, own)
-    refitted = [one["evidence"] for one in case.answer["candidates"] if one["effects"] == [own]]
-    return {
-        "case": case.name,
-        "kind": case.kind,
-        "generator": label["configuration"]["generator"],
-        "mismatch": label["configuration"]["mismatch"],
-        "hidden": case.hidden,
-        "effect": own,
-        "signal": case.signal,
-        **found,
-        "own_evidence": round(refitted[0], 1) if refitted else None,
-        "is_named": case.outcome in (NAMED, IN_SET),
-    }
+    found = ceiling(hidden.touch_set, hidden.change, hidden.effect)
+    candidates = hidden.case.answer["candidates"]
+    refitted = [one["evidence"] for one in candidates if one["effects"] == [hidden.effect]]
+    return {**hidden.document, **found, "own_evidence": round(refitted[0], 1) if refitted else None}
 
 
 def print_tables(found: Sequence[Mapping[str, Any]]) -> None:
@@ -154,13 +134,15 @@ def print_tables(found: Sequence[Mapping[str, Any]]) -> None:
     names = ("case", "generator", "hidden", "signal", "by noise", "ceiling", "need", "own", "errors", "answer")
     table(names, rows)
     sums = []
-    for where in sorted({OWN.get(one["effect"], ELSEWHERE) for one in found}):
-        mine = [one for one in found if OWN.get(one["effect"], ELSEWHERE) == where]
+    for slot in SLOTS:
+        mine = [one for one in found if EFFECTS[one["effect"]].slot == slot]
+        if not mine:
+            continue
         over = [one for one in mine if one["evidence"] >= one["need"]]
         under = [one for one in mine if one["evidence"] < one["need"]]
         share = statistics.median(one["evidence"] / (0.5 * one["signal"] ** 2) for one in mine)
         sums.append((
-            where, f"{sum(one['is_named'] for one in over)} of {len(over)}",
+            SLOT_TITLES[slot], f"{sum(one['is_named'] for one in over)} of {len(over)}",
             f"{sum(one['is_named'] for one in under)} of {len(under)}", f"{share:.2f}",
         ))  # fmt: skip
     table(("effects of", "named, ceiling above the need", "named, below it", "median ceiling by noise"), sums)
@@ -168,21 +150,12 @@ def print_tables(found: Sequence[Mapping[str, Any]]) -> None:
 
 def main() -> None:
     """Compare all visible and concealed cases with one effect, and print the tables."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("proofs", type=Path, nargs="+")
-    parser.add_argument("--bank", type=Path, default=cache_folder() / "generators")
-    parser.add_argument("--json", type=Path)
-    options = parser.parse_args()
+    given = proof_parser(__doc__).parse_args()
     header("evidence of an exact formula in sealed worlds (simulated recordings)", ("numpy", "scipy", "numba"))
-    found = []
-    for path in options.proofs:
-        folder = ProofFolder(path.absolute())
-        for case in scored_cases(folder):
-            if case.kind in (VISIBLE, CONCEALED):
-                found.append(compared(folder, case, options.bank))
+    found = list(of_cases(compared, proof_cases(given, (VISIBLE, CONCEALED)), given.workers))
     print_tables(found)
-    if options.json:
-        write_json_atomic(options.json, found)
+    if given.json:
+        write_json_atomic(given.json, found)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """Print how well effects of the catalogue can imitate what worlds of a sealed proof hide, beyond a plain refit.
 
-    python benchmarks/proof_forms.py PROOF [PROOF ...] [--bank BANK] [--json FILE]
+    python benchmarks/proof_forms.py PROOF [PROOF ...] [--workers N] [--bank BANK] [--json FILE]
 
 A PROOF is a folder that `tactiledata prove --out` made and answered; the solutions of its generators and the plays of
 its plans are kept where that command keeps them. For each visible case the generator tells its wrenches without noise,
@@ -15,60 +15,31 @@ whose shape is fitted afterwards (the time of a jump, say) seems less alike than
 
 from __future__ import annotations
 
-import argparse
-import json
 import statistics
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
-import numpy as np
+from proof_cases import ProofCase, of_cases, proof_cases, proof_parser
 from timing import header, table
 
-from tactiledata.diagnose.naming.metric import best_imitation
-from tactiledata.diagnose.naming.options import NamingOptions
-from tactiledata.diagnose.naming.signatures import effect_signatures, playable
-from tactiledata.diagnose.touches.whitened import WhitenedTouches
-from tactiledata.gel.elasticity.compliance import cache_folder
-from tactiledata.prove.cases.configuration import Configuration, played_plan
-from tactiledata.prove.cases.drawn_world import DrawnWorld
+from tactiledata.contract.atomic import write_json_atomic
 from tactiledata.prove.cases.kinds import VISIBLE
-from tactiledata.prove.score.outcome import IN_SET, NAMED
-from tactiledata.prove.score.scored_case import ScoredCase
-from tactiledata.prove.seal.folder import ProofFolder
-from tactiledata.prove.seal.verify import scored_cases
+from tactiledata.prove.cases.oracle import imitations
 
 ENDS = (0.0, 0.3, 0.6, 1.0)
 """Ends of the ranges of cosines in which named effects are counted."""
 
 
-def compared(case: ScoredCase, bank: Path) -> dict[str, Any]:
+def compared(hidden: ProofCase) -> dict[str, Any]:
     """Return the cosines of what a case hides with every effect of the catalogue, and what was answered."""
-    label = case.label
-    configuration = Configuration(**label["configuration"])
-    world = DrawnWorld(played_plan(configuration.plan, bank, True), configuration, label["seed"])
-    maker = world.played.maker
-    felt = np.concatenate(maker.observed(world.readings(label["hidden"], is_exact=True)).wrenches)
-    white = WhitenedTouches.of(world.touch_set, NamingOptions().errors)
-    change = white.whiten(felt - world.clean)
-    names, _ = playable(white, world.played.effects)
-    cosines: dict[str, float] = {}
-    for one in effect_signatures(white, world.plain.model.material, names):
-        cosine = float(best_imitation(world.plain.metric, change, one.field))
-        cosines[one.effect] = max(cosines.get(one.effect, 0.0), cosine)
-    (own,) = label["truth"]
+    world = hidden.world
+    cosines = imitations(world.plain, world.touch_set, hidden.change, world.played.effects)
     return {
-        "case": case.name,
-        "generator": label["configuration"]["generator"],
-        "mismatch": label["configuration"]["mismatch"],
-        "hidden": case.hidden,
-        "effect": own,
-        "signal": case.signal,
-        "absorbed": label["sight"]["absorbed"],
-        "own": round(cosines.get(own, 0.0), 3),
+        **hidden.document,
+        "absorbed": hidden.case.label["sight"]["absorbed"],
+        "own": round(cosines.get(hidden.effect, 0.0), 3),
         "cosines": {name: round(cosine, 3) for name, cosine in sorted(cosines.items(), key=lambda one: -one[1])},
-        "is_named": case.outcome in (NAMED, IN_SET),
     }
 
 
@@ -96,20 +67,12 @@ def print_tables(found: Sequence[Mapping[str, Any]]) -> None:
 
 def main() -> None:
     """Compare all visible cases, and print the tables."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("proofs", type=Path, nargs="+")
-    parser.add_argument("--bank", type=Path, default=cache_folder() / "generators")
-    parser.add_argument("--json", type=Path)
-    options = parser.parse_args()
+    given = proof_parser(__doc__).parse_args()
     header("what worlds hide beside the catalogue's forms (simulated recordings)", ("numpy", "scipy", "numba"))
-    found = []
-    for folder in options.proofs:
-        for case in scored_cases(ProofFolder(folder.absolute())):
-            if case.kind == VISIBLE:
-                found.append(compared(case, options.bank))
+    found = list(of_cases(compared, proof_cases(given, (VISIBLE,)), given.workers))
     print_tables(found)
-    if options.json:
-        options.json.write_text(json.dumps(found, indent=1) + "\n")
+    if given.json:
+        write_json_atomic(given.json, found)
 
 
 if __name__ == "__main__":

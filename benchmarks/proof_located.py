@@ -1,6 +1,6 @@
 """Print where locators find that simulated recordings of a sealed proof depart from their simulation.
 
-    python benchmarks/proof_located.py PROOF [PROOF ...] [--json FILE]
+    python benchmarks/proof_located.py PROOF [PROOF ...] [--workers N] [--bank BANK] [--json FILE]
     python benchmarks/proof_located.py PROOF [PROOF ...] --errors
 
 A PROOF is a folder that `tactiledata prove --out` made and answered; the plays of its plans are kept where that
@@ -16,17 +16,16 @@ the numbers of `touch_residuals.OF_THE_GEL`.
 
 from __future__ import annotations
 
-import argparse
-import json
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from locating_worlds import SHOWS_IN, told
 from numpy.typing import NDArray
+from proof_cases import ProofCase, of_cases, proof_cases, proof_parser
 from timing import table
 
+from tactiledata.contract.atomic import write_json_atomic
 from tactiledata.diagnose.locate.contrasts import instruments_of, sizes_of
 from tactiledata.diagnose.naming.error_sizes import with_estimated_errors
 from tactiledata.diagnose.naming.joint_fit import JointFit, plain_fit
@@ -42,14 +41,8 @@ from tactiledata.diagnose.unseen.touch_residuals import (
     scatter_beyond_noise,
 )
 from tactiledata.diagnose.zeros.causes import zero_causes
-from tactiledata.gel.elasticity.compliance import cache_folder
 from tactiledata.prove.cases.kinds import NULLS, VISIBLE
-from tactiledata.prove.seal.folder import ProofFolder, read_readings
-from tactiledata.prove.seal.verify import ScoredCase, scored_cases
-from tactiledata.prove.worlds.logs import LogReadings
-from tactiledata.prove.worlds.plan_names import named_plan
-from tactiledata.prove.worlds.played_plan import START, PlayedPlan
-from tactiledata.prove.worlds.recorder import ReadWorld
+from tactiledata.prove.worlds.played_plan import START
 
 Array = NDArray[np.float64]
 
@@ -57,16 +50,15 @@ ALIKE = {"fy": "fx", "ty": "tx"}
 """Components whose errors are taken to be the same: trajectories slide to all sides."""
 
 
-def fitted(played: PlayedPlan, proof: ProofFolder, case: ScoredCase) -> tuple[ReadWorld, WhitenedTouches, JointFit]:
-    """What is read of a case, its trajectories, and the plain fit to them, as naming makes it."""
-    readings = [LogReadings(*one) for one in read_readings(proof.case(case.name))]
-    recorded = played.maker.observed(readings)
-    white = WhitenedTouches.of(played.maker.cases(recorded, played.family), NamingOptions().errors)
-    return recorded, *with_estimated_errors(white, plain_fit(white, START))
+def fitted(case: ProofCase) -> tuple[WhitenedTouches, JointFit]:
+    """The trajectories of a case, and the plain fit to them, as naming makes it."""
+    white = WhitenedTouches.of(case.touch_set, NamingOptions().errors)
+    return with_estimated_errors(white, plain_fit(white, START))
 
 
-def contrast_sizes(white: WhitenedTouches, base: JointFit) -> dict[str, tuple[Array, Array]]:
+def contrast_sizes(case: ProofCase) -> dict[str, tuple[Array, Array]]:
     """Sizes of all contrasts and their variances by noise, by what differs, in the units of errors of a simulation."""
+    white, base = fitted(case)
     residuals, inflation = case_residuals(white, base), case_noise(white, base).inflation or 1.0
     units = contrast_units(white, base)
     found: dict[str, tuple[Array, Array]] = {}
@@ -96,12 +88,12 @@ def print_errors(found: Sequence[Mapping[str, tuple[Array, Array]]]) -> None:
     table(("contrasts of", "median", "90 %", "most", "largest contrast"), rows)
 
 
-def located(played: PlayedPlan, proof: ProofFolder, case: ScoredCase) -> dict[str, Any]:
+def located(one: ProofCase) -> dict[str, Any]:
     """What the locators tell of a case, and whether it is right."""
-    recorded, white, base = fitted(played, proof, case)
-    found = locate_touches(white, base)
+    case, read = one.case, one.read
+    found = locate_touches(*fitted(one))
     where = told(found)[1]
-    causes = zero_causes(recorded.zeros, band=recorded.dead_band)
+    causes = zero_causes(read.zeros, band=read.dead_band)
     where |= {f"zeros: {cause.effect}" for cause in causes if cause.matters}
     others = [shows_in for effect, shows_in in SHOWS_IN.items() if effect != case.hidden]
     return {
@@ -141,34 +133,21 @@ def print_tables(found: Sequence[Mapping[str, Any]]) -> None:
 
 def main() -> None:
     """Locate in every case that hides one effect of the table or nothing, and print the tables."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("proofs", type=Path, nargs="+")
-    parser.add_argument("--json", type=Path)
+    parser = proof_parser(__doc__)
     parser.add_argument("--errors", action="store_true", help="measure what errors of the simulation bring instead")
-    asked = parser.parse_args()
-    plans: dict[str, PlayedPlan] = {}
-    found: list[Any] = []
-    for folder in asked.proofs:
-        proof = ProofFolder(folder)
-        for case in scored_cases(proof):
-            if case.kind != NULLS and asked.errors:
-                continue
-            if case.kind != NULLS and not (case.kind == VISIBLE and case.hidden in SHOWS_IN):
-                continue
-            name = case.configuration.split()[1]
-            if name not in plans:
-                plans[name] = PlayedPlan.of(named_plan(name), cache_folder() / "generators", with_variants=False)
-            if asked.errors:
-                found.append(contrast_sizes(*fitted(plans[name], proof, case)[1:]))
-                continue
-            found.append(located(plans[name], proof, case))
-            print(f"{case.name}: {' '.join(found[-1]['sentences'])}", flush=True)
-    if asked.errors:
-        print_errors(found)
+    given = parser.parse_args()
+    nulls = proof_cases(given, (NULLS,))
+    if given.errors:
+        print_errors(list(of_cases(contrast_sizes, nulls, given.workers)))
         return
+    visible = [one for one in proof_cases(given, (VISIBLE,)) if one.case.hidden in SHOWS_IN]
+    found = []
+    for one in of_cases(located, [*nulls, *visible], given.workers):
+        found.append(one)
+        print(f"{one['case']}: {' '.join(one['sentences'])}", flush=True)
     print_tables(found)
-    if asked.json:
-        asked.json.write_text(json.dumps(found, indent=1) + "\n")
+    if given.json:
+        write_json_atomic(given.json, found)
 
 
 if __name__ == "__main__":

@@ -154,8 +154,7 @@ class ProofRun:
         tasks = [self._task(seal, name) for name in todo]
         for number, outcome in enumerate(self.runner.outcomes(answer, tasks, len(tasks)), start=1):
             one = outcome.value
-            said = ", ".join(one["set"]) or "no name"
-            self.tell(f"{one['case']}: {one['verdict']}: {said} ({one['seconds']:.0f} s)")
+            self.tell(f"{one['case']}: {one['verdict']}: {one['said']} ({one['seconds']:.0f} s)")
             self.report_progress(number, len(tasks), "diagnosing cases")
 
     def _task(self, seal: Mapping[str, Any], name: str) -> AnswerTask:

@@ -57,7 +57,7 @@ def case(name, effect, evidence, is_named, need=20.0, own=None):
 
 
 def test_cases_are_counted_on_either_side_of_the_need(capsys):
-    """A ceiling that equals the need is no hindrance; effects stand where they act."""
+    """A ceiling that equals the need is no hindrance; effects stand in the slot in which they act."""
     print_tables([
         case("a", "lag", 100.0, True, own=90.0), case("b", "lag", 20.0, False), case("c", "rate_friction", 10.0, False),
         case("d", "skin", 19.9, False), case("e", "rate_friction", 50.0, True),
@@ -66,6 +66,6 @@ def test_cases_are_counted_on_either_side_of_the_need(capsys):
     shown = [line[0][0] for line in lines if line and line[0].endswith("0123456")]
     assert shown == ["a", "e", "b", "d", "c"]
     assert ["a0123456", "layer", "0", "lag", "20", "200", "100", "20", "90", "1.6", "to", "1.2", "named"] in lines
-    assert ["sensor", "and", "clock", "1", "of", "2", "0", "of", "0", "0.30"] in lines
-    assert ["friction", "1", "of", "1", "0", "of", "1", "0.15"] in lines
-    assert ["gel,", "indenter,", "arm", "0", "of", "0", "0", "of", "1", "0.10"] in lines
+    assert ["sensor", "1", "of", "2", "0", "of", "0", "0.30"] in lines
+    assert ["interface", "1", "of", "1", "0", "of", "1", "0.15"] in lines
+    assert ["constitutive", "law", "0", "of", "0", "0", "of", "1", "0.10"] in lines

@@ -221,12 +221,13 @@ def test_answers_of_two_machines_are_compared_case_by_case(proof, tmp_path):
     same = compare(proof, other)
     assert (same.cases, same.agreed, same.differences) == (12, {"verdict": 12, "names": 12, "set": 12}, ())
     answer_case(other, names[1], said(["dome"]), 2)
-    answer_case(other, names[2], {**said([]), "set": ["dome"]}, 2)
+    answer_case(other, names[2], {**said([]), "set": two[::-1]}, 2)
     found = compare(proof, other)
     assert found.agreed == {"verdict": 11, "names": 11, "set": 10}
     assert found.differences == tuple(sorted([
-        f"{names[1]}: verdict: nothing found, explained; named effects: none, dome; effects in the set: none, dome.",
-        f"{names[2]}: effects in the set: none, dome.",
+        f"{names[1]}: verdict: nothing found in the first, explained in the second; named effects: none in the first, dome"
+        " in the second; effects in the set: none in the first, dome in the second.",
+        f"{names[2]}: effects in the set: none in the first, lag and rate_friction in the second.",
     ]))  # fmt: skip
     low, high = found.document["agreed"]["set"]["interval"]
     assert low < 10 / 12 < high

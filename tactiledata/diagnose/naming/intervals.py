@@ -15,9 +15,12 @@ from tactiledata.diagnose.naming.joint_fit import JointFit, least_cost
 from tactiledata.diagnose.naming.signatures import MATERIAL
 from tactiledata.diagnose.residuals.wording import quantity
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
+from tactiledata.errors import UsageError
 
 TURNS = 3
 """Largest number of refits in which the end of an interval is searched."""
+SHORTER = 0.7
+"""Share of a reach that is tried where gel and springs find no balance at the whole one."""
 ROUNDS = 3
 """Largest number of rounds of each of these refits, which start near their optimum."""
 AT_BOUND = 0.01
@@ -139,7 +142,8 @@ class _End:
 def _profiled(end: _End) -> float:
     """How far an entry of the vector can move before the cost has risen by ``RISE``, all other numbers fitted anew.
 
-    Each round scales the reach as if the cost were a parabola with its minimum at the fit.
+    Each round scales the reach as if the cost were a parabola with its minimum at the fit. Where gel and springs find
+    no balance, the reach is ``SHORTER`` as large, and no more is tried.
     """
     request, entry, room, reach = end.request, end.entry, end.room, end.by_curvature
     fit = request.fit
@@ -152,7 +156,11 @@ def _profiled(end: _End) -> float:
         if reach <= 0.0:
             return 0.0
         start = fit.model.at(np.clip(fit.model.vector + end.side * reach * along, low, high), fit.model.offsets)
-        rise = (least_cost(request.whitened, start, (entry,), ROUNDS) - fit.cost) / request.dispersion
+        try:
+            rise = (least_cost(request.whitened, start, (entry,), ROUNDS) - fit.cost) / request.dispersion
+        except UsageError:
+            room = SHORTER * reach
+            continue
         if reach >= room and rise < RISE:
             return room
         # the cost is about quadratic: within 15 % of the rise, the reach is within 7 %

@@ -28,6 +28,7 @@ from tactiledata.diagnose.naming.ties import ties_of_two
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.simulate.setting import EffectSetting
+from tactiledata.errors import UsageError
 
 WEAK = 0.05
 """Share of the screen's strengths from which a refit starts that did not end below the fit without the effect."""
@@ -183,13 +184,20 @@ class Refits:
         return scored, replace(decision, ties=ties)
 
     def _with_agreement(self, pair: ScoredCandidate, singles: Sequence[JointFit]) -> ScoredCandidate:
-        """Pair with the signature statistic of each effect beside the refit of the other one alone."""
+        """Pair with the signature statistic of each effect beside the refit of the other one alone.
+
+        It is 0 where gel and springs find no balance without the effect: its change is then not known.
+        """
         alone = {fit.names[0]: fit for fit in singles}
         play, model = self.whitened.touch_set.play, pair.fit.model
         found = {}
         for name, other in (pair.names, pair.names[::-1]):
             of_other = [setting for setting in model.settings if setting.effect == other]
-            gained = play(model.material, of_other, model.offsets) - play(model.material, [], model.offsets)
+            try:
+                gained = play(model.material, of_other, model.offsets) - play(model.material, [], model.offsets)
+            except UsageError:
+                found[name] = 0.0
+                continue
             change = pair.fit.effect_change - self.whitened.whiten(gained)
             beside = alone[other]
             found[name] = agreement(beside.metric, change, beside.residual_at_centre).standard_errors

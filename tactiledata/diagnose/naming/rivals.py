@@ -13,6 +13,7 @@ from tactiledata.diagnose.naming.strength import Strength, set_at
 from tactiledata.diagnose.verdict import Verdict
 from tactiledata.effects import EFFECTS
 from tactiledata.effects.simulate.setting import EffectSetting
+from tactiledata.errors import UsageError
 
 NOTHING = "nothing"
 NO_CLAIM = "no effect"
@@ -137,18 +138,23 @@ def rivals_of(naming: NamingResult, most: int = 4) -> Rivals:
         promising = [effect for effect in naming.screened if effect.effect not in {rival.name for rival in rivals}][
             :most
         ]
-        rivals += [_screened(naming, effect.starts[0]) for effect in promising]
-        supports += [effect.evidence for effect in promising]
+        for effect in promising:
+            if (rival := _screened(naming, effect.starts[0])) is not None:
+                rivals.append(rival)
+                supports.append(effect.evidence)
     return Rivals.around(rivals[:most], supports[:most])
 
 
-def _screened(naming: NamingResult, start: Sequence[EffectSetting]) -> Rival:
-    """An effect that was not refitted, with the strengths of its first-order score, linearised there."""
+def _screened(naming: NamingResult, start: Sequence[EffectSetting]) -> Rival | None:
+    """An effect that was not refitted, with the strengths of its first-order score; ``None`` without any balance."""
     base = naming.base.model
     errors = len(base.errors)
     model = joint_model(base.material, start, len(base.offsets), errors, box=base.box)
     model = replace(model, offsets=base.offsets, errors=base.errors)
-    return Rival(start[0].effect, joint_fit(naming.whitened, model, rounds=0))
+    try:
+        return Rival(start[0].effect, joint_fit(naming.whitened, model, rounds=0))
+    except UsageError:
+        return None
 
 
 def _nearly_found(naming: NamingResult, most: int) -> Rivals | None:
@@ -168,24 +174,30 @@ def _nearly_found(naming: NamingResult, most: int) -> Rivals | None:
 
 
 def _undetectable(naming: NamingResult) -> Rivals:
-    """Each effect that these data cannot show, by its most visible strength, against the plain simulation."""
-    plain = Rival(NOTHING, naming.base)
+    """Each effect that these data cannot show, by its most visible strength, against the plain simulation.
+
+    Effects with which gel and springs find no balance at that strength are left out.
+    """
     known = naming.identifiable
-    members = [plain]
+    members = [Rival(NOTHING, naming.base)]
     for effect in known.undetectable:
         reach = {strength: known.reach[k] for k, strength in enumerate(known.numbers) if strength.effect == effect}
         strengths = [Strength(effect, parameter.name) for parameter in strengths_of(EFFECTS[effect]())]
-        members.append(
-            _at_its_strongest(naming, max(reach or strengths, key=lambda strength: reach.get(strength, 0.0)))
-        )
+        most_visible = max(reach or strengths, key=lambda strength: reach.get(strength, 0.0))
+        if (rival := _at_its_strongest(naming, most_visible)) is not None:
+            members.append(rival)
     return Rivals(tuple(members), tuple(Pair(index, 0, False) for index in range(1, len(members))))
 
 
-def _at_its_strongest(naming: NamingResult, strength: Strength) -> Rival:
-    """The plain fit with one strength at the far end of its plausible range, nothing refitted."""
+def _at_its_strongest(naming: NamingResult, strength: Strength) -> Rival | None:
+    """The plain fit with one strength at the far end of its plausible range; ``None`` without any balance."""
     base, whitened = naming.base, naming.whitened
     setting = set_at(strength.effect, {strength.name: strength.end}, strength.place)
     model = replace(base.model, settings=(setting,), coordinates=())
-    plays = [whitened.touch_set.play(base.model.material, settings, base.model.offsets) for settings in ([setting], [])]
+    play = whitened.touch_set.play
+    try:
+        plays = [play(base.model.material, settings, base.model.offsets) for settings in ([setting], [])]
+    except UsageError:
+        return None
     change = whitened.whiten(plays[0] - plays[1])
     return Rival(strength.effect, replace(base, model=model, residual=base.residual - change, effect_change=change))

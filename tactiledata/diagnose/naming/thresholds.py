@@ -172,7 +172,7 @@ class DecisionThresholds:
     trend_sigmas: float = 4.0
     trend_share: float = 0.15
     least_excess_share: float = 0.05
-    main_cause_share: float = 0.5
+    main_cause_share: float = 0.4
     whole_cause_share: float = 0.9
     part_share: float = 0.15
     noise_dispersion: float = 1.1

@@ -17,6 +17,7 @@ from tactiledata.diagnose.naming.signatures import own_field
 from tactiledata.diagnose.residuals.gap import Gap, gap_closed
 from tactiledata.diagnose.touches.whitened import WhitenedTouches
 from tactiledata.diagnose.unseen.touch_residuals import known_rows
+from tactiledata.errors import UsageError
 from tactiledata.nuisance.offsets import FARTHEST, PRIOR
 from tactiledata.nuisance.tare import tare_variance
 
@@ -73,16 +74,24 @@ def _own_zeros(part: WhitenedTouches, predicted: Array) -> Array:
 
 
 def _with_own_offsets(part: WhitenedTouches, model: JointModel, numerical: Array) -> Array:
-    """Return the wrenches (N, 6), N and N m, that a model predicts with contact offsets fitted to the trajectories."""
+    """Return the wrenches (N, 6), N and N m, that a model predicts with contact offsets fitted to the trajectories.
+
+    Offsets stay as they are where gel and springs find no balance with the next ones.
+    """
     material, settings, errors = model.material, model.settings, numerical @ model.errors
     offsets = model.offsets
+    played = part.touch_set.played(material, settings, offsets)
     for _ in range(ROUNDS):
-        played = part.touch_set.played(material, settings, offsets)
         own = own_field(part, material, settings, offsets, played, np.zeros(0))
         squares = 1.0 + np.add.reduceat(np.einsum("nk,nk->n", own, own), part.starts)
         steps = offset_steps(own, part.residual(played.wrench + errors), part.starts, squares, offsets / PRIOR)
-        offsets = np.clip(offsets + PRIOR * steps, -FARTHEST, FARTHEST)
-    return part.touch_set.play(material, settings, offsets) + errors
+        tried = np.clip(offsets + PRIOR * steps, -FARTHEST, FARTHEST)
+        try:
+            played = part.touch_set.played(material, settings, tried)
+        except UsageError:
+            break
+        offsets = tried
+    return played.wrench + errors
 
 
 FORCE, TORQUE = slice(0, 3), slice(3, 6)

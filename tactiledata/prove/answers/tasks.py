@@ -8,9 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from tactiledata.contract.atomic import write_atomic, write_json_atomic
+from tactiledata.errors import TactileDataError
+from tactiledata.prove.answers.failed import failed_answer
 from tactiledata.prove.answers.named import named_world
 from tactiledata.prove.cases.configuration import played_plan
 from tactiledata.prove.cases.draw import CaseRequest, drawn_case
+from tactiledata.prove.score.outcome import FAILED
 from tactiledata.prove.seal.folder import (
     ProofFolder,
     read_json,
@@ -134,6 +137,7 @@ def draw(task: DrawTask) -> dict[str, Any]:
 def answer(task: AnswerTask) -> dict[str, Any]:
     """Diagnose a case and keep the answer; return what is printed of it.
 
+    An error that ends the diagnosis is an answer, too (`failed_answer`): the case counts, and others go on.
     A scheduler runs a task again whose worker was lost: an answer that was kept before is not given again, and an
     attempt that gave none is counted.
     """
@@ -147,7 +151,10 @@ def answer(task: AnswerTask) -> dict[str, Any]:
     readings = [LogReadings(*one) for one in read_readings(folder.case(task.name))]
     played = played_plan(task.plan, task.bank, task.with_variants)
     started = time.perf_counter()
-    found = named_world(played, readings, task.pairs, task.in_full).document
+    try:
+        found = named_world(played, readings, task.pairs, task.in_full).document
+    except TactileDataError as error:
+        found = failed_answer(error)
     document = {**began, "seconds": round(time.perf_counter() - started, 2), "answer": found}
     write_sealed(folder.answer(task.name, attempt), document)
     return _printed(document)
@@ -156,6 +163,6 @@ def answer(task: AnswerTask) -> dict[str, Any]:
 def _printed(document: dict[str, Any]) -> dict[str, Any]:
     """Return what is printed of an answer."""
     found = document["answer"]
-    return {
-        "case": document["case"], "verdict": found["verdict"], "set": found["set"], "seconds": document["seconds"],
-    }  # fmt: skip
+    why = found["objections"][0] if found["verdict"] == FAILED else "no name"
+    said = ", ".join(found["set"]) or why
+    return {"case": document["case"], "verdict": found["verdict"], "said": said, "seconds": document["seconds"]}

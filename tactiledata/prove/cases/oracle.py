@@ -101,6 +101,21 @@ def alike_effects(plain: JointFit, touch_set: TouchSet, change: Array, effects: 
 
     Parameters
     ----------
+    plain, touch_set, change, effects
+        As of `imitations`.
+    """
+    found = imitations(plain, touch_set, change, effects)
+    return {name: round(cosine, 4) for name, cosine in found.items() if cosine >= ALIKE}
+
+
+def imitations(plain: JointFit, touch_set: TouchSet, change: Array, effects: Sequence[str]) -> dict[str, float]:
+    """Return the cosine with which each effect of the catalogue can imitate a change, beyond what a refit takes up.
+
+    The cosine is that of the change with the effect's signature, to first order, at the shape that a screen tries and
+    that suits best.
+
+    Parameters
+    ----------
     plain : JointFit
         The plain fit without what is hidden.
     touch_set : TouchSet
@@ -117,4 +132,4 @@ def alike_effects(plain: JointFit, touch_set: TouchSet, change: Array, effects: 
     for one in effect_signatures(white, plain.model.material, names):
         cosine = float(best_imitation(plain.metric, field_, one.field))
         found[one.effect] = max(found.get(one.effect, 0.0), cosine)
-    return {name: round(cosine, 4) for name, cosine in found.items() if cosine >= ALIKE}
+    return found

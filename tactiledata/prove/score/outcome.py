@@ -14,6 +14,8 @@ QUIET = ("nothing found", "below detection")
 NAMED, IN_SET, ONE_OF_TWO = "named", "in the set", "one of two"
 WRONG, MISSED, UNNAMED = "wrong", "missed", "unnamed"
 NOTHING, STRUCTURE, FALSE_ALARM = "nothing found", "structure only", "false alarm"
+FAILED = "failed"
+"""Verdict and outcome where the diagnosis of a case ended in an error."""
 
 
 def outcome(case: Mapping[str, Any]) -> str:
@@ -21,13 +23,15 @@ def outcome(case: Mapping[str, Any]) -> str:
 
     ``named``, ``in the set``, ``one of two``, ``undetectable`` (in all its range, said so and true), ``too weak``
     (weaker than what the answer says it needs), ``missed``, ``unnamed`` (something is said to be missing, without a
-    name) or ``wrong``. What readings alone show is named, too.
+    name), ``wrong``, or ``failed`` (the diagnosis ended in an error). What readings alone show is named, too.
 
     Parameters
     ----------
     case : dict
         ``truth``, ``names``, ``set`` and ``zeros``, the ``verdict``, the ``signal`` and what is ``undetectable``.
     """
+    if case["verdict"] == FAILED:
+        return FAILED
     truth = set(case["truth"])
     claimed = case["verdict"] in CLAIMS
     of_zeros = set(case["zeros"])
@@ -47,13 +51,17 @@ def outcome(case: Mapping[str, Any]) -> str:
 
 
 def outcome_of_null(case: Mapping[str, Any]) -> str:
-    """Return what the answer to a case is worth where nothing is hidden: nothing found, structure, or a false alarm.
+    """Return what the answer to a case is worth where nothing is hidden.
+
+    It is nothing found, structure, a false alarm, or failed where the diagnosis ended in an error.
 
     Parameters
     ----------
     case : dict
         See `outcome`.
     """
+    if case["verdict"] == FAILED:
+        return FAILED
     if case["verdict"] in CLAIMS or case["zeros"]:
         return FALSE_ALARM
     return NOTHING if case["verdict"] in QUIET else STRUCTURE

@@ -22,7 +22,7 @@ from tactiledata.prove.cases.kinds import (
     PAIRS,
     VISIBLE,
 )
-from tactiledata.prove.score.outcome import CLAIMS, FALSE_ALARM, IN_SET, NAMED
+from tactiledata.prove.score.outcome import CLAIMS, FAILED, FALSE_ALARM, IN_SET, NAMED
 from tactiledata.prove.score.scored_case import ScoredCase, partly_right
 from tactiledata.prove.score.shares import Share, share_of
 
@@ -188,8 +188,11 @@ def strength(cases: Sequence[ScoredCase]) -> list[dict[str, Any]]:
 
 
 def calibration(cases: Sequence[ScoredCase]) -> dict[str, Any]:
-    """Return how often the likeliest answer is right, by its probability, and the expected calibration error (ECE)."""
-    told = [case.probability for case in cases]
+    """Return how often the likeliest answer is right, by its probability, and the expected calibration error (ECE).
+
+    Cases whose diagnosis failed say no probability.
+    """
+    told = [case.probability for case in cases if case.outcome != FAILED]
     rows, error = [], 0.0
     for low, high in pairwise(CHANCES):
         inside = [(chance, right) for chance, right in told if low <= chance < high or (high == 1.0 and chance == 1.0)]

@@ -12,10 +12,12 @@ import numpy as np
 from tactiledata.prove.cases.kinds import AMBIGUOUS, DRAWN, LEAST_SIGNAL, NULLS, OUTSIDE, PAIRS
 from tactiledata.prove.score.outcome import (
     CLAIMS,
+    FAILED,
     FALSE_ALARM,
     IN_SET,
     NAMED,
     ONE_OF_TWO,
+    QUIET,
     STRUCTURE,
     WRONG,
     outcome,
@@ -94,7 +96,7 @@ class ScoredCase:
             return (
                 WRONG
                 if self.is_claim
-                else {FALSE_ALARM: WRONG, STRUCTURE: "abstained"}.get(outcome_of_null(case), "not noticed")
+                else {STRUCTURE: "abstained", FAILED: FAILED}.get(outcome_of_null(case), "not noticed")
             )
         found = outcome(case)
         if self.kind == AMBIGUOUS and found == NAMED:
@@ -106,9 +108,9 @@ class ScoredCase:
     def is_right(self) -> bool:
         """Whether the answer is right: named, in the set, nothing where nothing is, or no name for what has none."""
         if self.kind == NULLS:
-            return self.outcome != FALSE_ALARM
+            return self.outcome not in (FALSE_ALARM, FAILED)
         if self.kind == OUTSIDE:
-            return self.outcome != WRONG
+            return self.outcome not in (WRONG, FAILED)
         # of what cannot be seen nothing should be said
         return self.outcome in (NAMED, IN_SET, "too weak", "undetectable")
 
@@ -120,7 +122,7 @@ class ScoredCase:
     @property
     def is_detected(self) -> bool:
         """Whether the answer says that something is missing, with a name or without."""
-        return self.is_claim or self.answer["verdict"] not in ("nothing found", "below detection")
+        return self.is_claim or self.answer["verdict"] not in (*QUIET, FAILED)
 
     @property
     def probability(self) -> tuple[float, bool]:

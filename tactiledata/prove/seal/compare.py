@@ -78,7 +78,10 @@ def compare(folder: ProofFolder, other: ProofFolder) -> AnswerComparison:
         for field in COMPARED:
             agreed[field] += field not in apart
         if apart:
-            said = "; ".join(f"{COMPARED[field]}: {_told(first[field])}, {_told(second[field])}" for field in apart)
+            said = "; ".join(
+                f"{COMPARED[field]}: {_told(first[field])} in the first, {_told(second[field])} in the second"
+                for field in apart
+            )
             differences.append(f"{name}: {said}.")
     return AnswerComparison(len(both), agreed, tuple(differences))
 
@@ -110,4 +113,4 @@ def _compared(document: Mapping[str, Any], name: str) -> dict[str, Any]:
 
 def _told(value: str | list[str]) -> str:
     """Return a verdict or a list of effects in words."""
-    return (", ".join(value) or "none") if isinstance(value, list) else value
+    return (" and ".join(value) or "none") if isinstance(value, list) else value

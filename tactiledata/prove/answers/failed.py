@@ -1,0 +1,36 @@
+"""The answer to a case whose diagnosis ended in an error: it names nothing, and says why."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from tactiledata.errors import TactileDataError
+from tactiledata.prove.score.outcome import FAILED
+
+
+def failed_answer(error: TactileDataError) -> dict[str, Any]:
+    """Return the document of an answer, as `NamedWorld.document` has it, where the diagnosis ended in an error.
+
+    Parameters
+    ----------
+    error : TactileDataError
+        What ended it. Other errors are faults of ours, and end the run.
+    """
+    return {
+        "verdict": FAILED,
+        "names": [],
+        "set": [],
+        "ties": [],
+        "nearest": [],
+        "objections": [f"the diagnosis ended in an error: {error}"],
+        "probabilities": {},
+        "candidates": [],
+        "screen": [],
+        "undetectable": [],
+        "not_tried": [],
+        "before": [],
+        "after": [],
+        "values": {},
+        "zeros": [],
+        "full_plays": [],
+    }

@@ -1,0 +1,115 @@
+"""A diagnosis ends with an answer where gel and springs find no balance with something that it tries."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from touch_worlds import START, World, world_cases
+
+from tactiledata.diagnose.naming import intervals
+from tactiledata.diagnose.naming.intervals import IntervalRequest, profiled_intervals
+from tactiledata.diagnose.naming.name_effects import name_effects
+from tactiledata.diagnose.naming.options import NamingOptions
+from tactiledata.diagnose.naming.rivals import rivals_of
+from tactiledata.diagnose.touches.touch_case import TouchSet
+from tactiledata.diagnose.unseen import errors
+from tactiledata.diagnose.verdict import Verdict
+from tactiledata.effects.simulate.simulator import unbalanced
+
+SOFT = "arm_compliance"
+
+
+class WithoutArm(TouchSet):
+    """Touches of which no play finds a balance where the arm alone bends."""
+
+    def play(self, material, settings, offsets=None, near=None):
+        if [setting.effect for setting in settings] == [SOFT]:
+            raise unbalanced(0.017, 30)
+        return super().play(material, settings, offsets, near)
+
+
+def without_arm(cases):
+    """The same touches, with which an arm that bends alone finds no balance."""
+    return WithoutArm(cases.touches, cases.base)
+
+
+@pytest.fixture(scope="module")
+def bent():
+    """Touches of an arm that bends, read late."""
+    return world_cases(World(compliance=3e-5, lag=0.05), 2, trajectories=14)
+
+
+@pytest.mark.slow
+def test_a_pair_is_judged_where_one_of_it_cannot_be_played_alone(bent):
+    """What the other one changes is then not known: trajectories agree on nothing of it, and the answer is given."""
+    options = NamingOptions(effects=(SOFT, "lag"), profile=False)
+    known, unknown = (name_effects(cases, START, options) for cases in (bent, without_arm(bent)))
+    (pair,) = [one for one in known.scored if len(one.names) == 2]
+    (other,) = [one for one in unknown.scored if len(one.names) == 2]
+    assert pair.agreement_beside["lag"] > 1.0
+    assert other.agreement_beside == {**pair.agreement_beside, "lag": 0.0}
+    assert other.evidence == pair.evidence
+
+
+@pytest.mark.slow
+def test_what_cannot_be_played_is_no_rival(bent):
+    """An undetectable effect without any balance at its strongest is left out of what a next trial should tell."""
+    naming = name_effects(bent, START, NamingOptions(effects=(SOFT,), profile=False, pairs=False))
+    quiet = dataclasses.replace(
+        naming,
+        scored=[],
+        decision=dataclasses.replace(naming.decision, verdict=Verdict.NOTHING_FOUND, best=None, ties=()),
+        identifiable=dataclasses.replace(naming.identifiable, undetectable=(SOFT,)),
+    )
+    stubborn = dataclasses.replace(
+        quiet, whitened=dataclasses.replace(naming.whitened, touch_set=without_arm(naming.whitened.touch_set))
+    )
+    assert [one.name for one in rivals_of(quiet).members[1:]] == [SOFT]
+    assert rivals_of(stubborn).members[1:] == ()
+    # the same of an effect that a screen finds, where nothing is claimed and nothing was refitted
+    open_ones = [
+        dataclasses.replace(one, decision=dataclasses.replace(one.decision, verdict=Verdict.NOT_EXPLAINED))
+        for one in (quiet, stubborn)
+    ]
+    assert [one.name for one in rivals_of(open_ones[0]).members] == [SOFT]
+    assert rivals_of(open_ones[1]).members == ()
+
+
+@pytest.mark.slow
+def test_an_interval_ends_where_there_is_no_balance(bent, monkeypatch):
+    """With no balance beyond half of the reach by the curvature, its end lies within that half, and above a third."""
+    naming = name_effects(bent, START, NamingOptions(effects=("lag",), profile=False, pairs=False))
+    request = IntervalRequest(naming.whitened, naming.base, 1.0)
+    by_curvature = {(end.entry, end.side): end.by_curvature for end in request.ends}
+
+    def cost(whitened, start, held, rounds):
+        (entry,) = held
+        away = start.vector[entry] - naming.base.model.vector[entry]
+        share = abs(away) / by_curvature[entry, np.sign(away)]
+        if share > 0.5:
+            raise unbalanced(0.017, 30)
+        return naming.base.cost + intervals.RISE * share**2
+
+    monkeypatch.setattr(intervals, "least_cost", cost)
+    whole = request.reached(list(by_curvature.values()))
+    for found, wide in zip(profiled_intervals([request])[0], whole, strict=True):
+        assert 0.3 < (found.high - found.value) / (wide.high - wide.value) < 0.5
+        assert 0.3 < (found.value - found.low) / (wide.value - wide.low) < 0.5
+
+
+@pytest.mark.slow
+def test_offsets_of_held_out_touches_stay_where_the_next_have_no_balance(bent, monkeypatch):
+    """Wrenches of touches that are held out are those of the offsets before."""
+    naming = name_effects(bent, START, NamingOptions(effects=("lag",), profile=False, pairs=False))
+    white, model = naming.whitened, naming.base.model
+    numerical = white.simulation_error_wrenches(model.material, model.offsets)
+    first = white.touch_set.played(model.material, (), model.offsets)
+
+    def played(self, material, settings, offsets=None):
+        if not np.array_equal(offsets, model.offsets):
+            raise unbalanced(0.017, 30)
+        return first
+
+    monkeypatch.setattr(TouchSet, "played", played)
+    found = errors._with_own_offsets(white, model, numerical)
+    assert np.array_equal(found, first.wrench + numerical @ model.errors)
