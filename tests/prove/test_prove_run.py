@@ -10,13 +10,14 @@ import time
 from types import SimpleNamespace
 
 import pytest
-from sealed_proofs import said, sealed_proof
+from sealed_proofs import REQUEST, said, sealed_proof
 from typer.testing import CliRunner
 
 from tactiledata.cli import prove as prove_command
 from tactiledata.cli.main import app
 from tactiledata.diagnose.touches.variant_plays import variants_of
 from tactiledata.effects import EFFECTS
+from tactiledata.effects.simulate.simulator import unbalanced
 from tactiledata.errors import UsageError
 from tactiledata.prove.answers import tasks
 from tactiledata.prove.cases.configuration import Configuration
@@ -25,6 +26,7 @@ from tactiledata.prove.cases.kinds import Sight
 from tactiledata.prove.cases.oracle import PaperCalibration
 from tactiledata.prove.cases.strengths import drawn_parameters
 from tactiledata.prove.request import QUICK, ProofRequest
+from tactiledata.prove.run import ProofRun
 from tactiledata.prove.seal.folder import ProofFolder
 from tactiledata.prove.seal.verify import verify
 from tactiledata.prove.worlds import played_plan
@@ -114,6 +116,56 @@ def test_other_gels_are_played_where_effects_take_part_that_need_them(tmp_path, 
             played_plan.PlayedPlan.of(named_plan("coarse-0"), tmp_path, with_variants)
     assert asked == [set(variants_of(EFFECTS)), set()]
     assert len(asked[0]) > 5
+
+
+@pytest.mark.slow
+def test_a_diagnosis_that_fails_is_an_answer_and_the_others_go_on(tmp_path, monkeypatch):
+    """Its case is never right, its error is told, it says no probability, and the score is made; a check finds it."""
+    folder, told = sealed_proof(tmp_path / "proof"), []
+    seal = json.loads(folder.seal.read_text())
+    failing = sorted(seal["cases"])[:2]
+
+    def named(played, readings, pairs, in_full):
+        if played in failing:
+            raise unbalanced(0.017, 30)
+        return SimpleNamespace(document=said([]))
+
+    monkeypatch.setattr(tasks, "named_world", named)
+    monkeypatch.setattr(tasks, "read_readings", lambda path: [])
+    for name in seal["cases"]:
+        monkeypatch.setattr(tasks, "played_plan", lambda plan, bank, with_variants, name=name: name)
+        tasks.answer(tasks.AnswerTask(folder, name, 1, "coarse-0", tmp_path, seal["tool"]["digest"], True, True, False))
+    run = ProofRun(folder, REQUEST, tmp_path, tell=told.append)
+    score = run.score()
+    assert sum(row.get("failed", 0) for row in score["outcomes"].values()) == 2
+    assert score["cases"] == 12
+    assert sum(row["count"] for row in score["probabilities"]["rows"]) == 10
+    failed = [line for line in score["misses"] if "failed" in line]
+    assert len(failed) == 2
+    assert all("the diagnosis ended in an error: gel and springs find no balance" in line for line in failed)
+    assert {line.split()[0] for line in failed} == set(failing)
+    # a run whose cases all have answers diagnoses none of them again, and `--verify` finds the same score
+    run.answer(seal)
+    assert not told
+    assert not verify(folder).faults
+
+
+@pytest.mark.slow
+def test_what_failed_is_printed(tmp_path, monkeypatch):
+    """The line of a case says by which error its diagnosis ended, where an answer says that it has no name."""
+    folder = sealed_proof(tmp_path / "proof")
+    name = sorted(json.loads(folder.labels.read_text()))[0]
+    task = tasks.AnswerTask(folder, name, 1, "coarse-0", tmp_path, "0" * 64, True, True, False)
+
+    def named(played, readings, pairs, in_full):
+        raise unbalanced(0.017, 30)
+
+    monkeypatch.setattr(tasks, "played_plan", lambda plan, bank, with_variants: plan)
+    monkeypatch.setattr(tasks, "named_world", named)
+    assert tasks.answer(task)["said"].startswith("the diagnosis ended in an error: gel and springs")
+    # asked again, it is read from its file
+    assert tasks.answer(task)["said"].startswith("the diagnosis ended in an error: gel and springs")
+    assert tasks._printed({"case": name, "seconds": 1.0, "answer": said([])})["said"] == "no name"
 
 
 @pytest.mark.slow

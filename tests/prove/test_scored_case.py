@@ -49,6 +49,10 @@ def scored(kind, truth=(), verdict="nothing found", said=(), probabilities=None,
         (scored("outside", verdict="explained", said=["lag"]), "wrong", False, True),
         (scored("pairs", ["lag", "wear"], "explained", ["lag", "wear"]), "named", True, False),
         (scored("pairs", ["lag", "wear"], "explained", ["lag"]), "one of two", False, False),
+        (scored("nulls", verdict="failed"), "failed", False, False),
+        (scored("outside", verdict="failed"), "failed", False, False),
+        (scored("visible", ["lag"], "failed"), "failed", False, False),
+        (scored("drawn", ["lag"], "failed", signal=3.0), "failed", False, False),
     ],
 )
 def test_what_an_answer_is_worth(case, outcome, is_right, is_wrong):

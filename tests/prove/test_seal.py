@@ -225,8 +225,8 @@ def test_answers_of_two_machines_are_compared_case_by_case(proof, tmp_path):
     found = compare(proof, other)
     assert found.agreed == {"verdict": 11, "names": 11, "set": 10}
     assert found.differences == tuple(sorted([
-        f"{names[1]}: verdict: nothing found in the first, explained in the second; named effects: none in the first, dome"
-        " in the second; effects in the set: none in the first, dome in the second.",
+        f"{names[1]}: verdict: nothing found in the first, explained in the second; named effects: none in the first,"
+        " dome in the second; effects in the set: none in the first, dome in the second.",
         f"{names[2]}: effects in the set: none in the first, lag and rate_friction in the second.",
     ]))  # fmt: skip
     low, high = found.document["agreed"]["set"]["interval"]

@@ -19,35 +19,43 @@ from tactiledata.effects.simulate.simulator import unbalanced
 SOFT = "arm_compliance"
 
 
-class WithoutArm(TouchSet):
-    """Touches of which no play finds a balance where the arm alone bends."""
+def refuse(settings):
+    """Raise the error of a play without any balance where the arm alone bends."""
+    if [setting.effect for setting in settings] == [SOFT]:
+        raise unbalanced(0.017, 30)
+
+
+class Unplayable(TouchSet):
+    """Touches of which no play finds a balance where the arm alone bends; fits do."""
 
     def play(self, material, settings, offsets=None, near=None):
-        if [setting.effect for setting in settings] == [SOFT]:
-            raise unbalanced(0.017, 30)
+        refuse(settings)
         return super().play(material, settings, offsets, near)
 
 
-def without_arm(cases):
-    """The same touches, with which an arm that bends alone finds no balance."""
-    return WithoutArm(cases.touches, cases.base)
+class Unfitted(TouchSet):
+    """Touches of which neither plays nor fits find a balance where the arm alone bends."""
+
+    def simulate(self, material, settings, offsets=None, near=None):
+        refuse(settings)
+        return super().simulate(material, settings, offsets, near)
 
 
 @pytest.fixture(scope="module")
 def bent():
-    """Touches of an arm that bends, read late."""
-    return world_cases(World(compliance=3e-5, lag=0.05), 2, trajectories=14)
+    """Touches of an arm that bends, on a gel that relaxes."""
+    return world_cases(World(compliance=1.5e-5, relaxing=0.3), 2, trajectories=16)
 
 
 @pytest.mark.slow
 def test_a_pair_is_judged_where_one_of_it_cannot_be_played_alone(bent):
     """What the other one changes is then not known: trajectories agree on nothing of it, and the answer is given."""
-    options = NamingOptions(effects=(SOFT, "lag"), profile=False)
-    known, unknown = (name_effects(cases, START, options) for cases in (bent, without_arm(bent)))
+    options = NamingOptions(effects=(SOFT, "relaxation"), profile=False)
+    known, unknown = (name_effects(cases, START, options) for cases in (bent, Unplayable(bent.touches, bent.base)))
     (pair,) = [one for one in known.scored if len(one.names) == 2]
     (other,) = [one for one in unknown.scored if len(one.names) == 2]
-    assert pair.agreement_beside["lag"] > 1.0
-    assert other.agreement_beside == {**pair.agreement_beside, "lag": 0.0}
+    assert pair.agreement_beside["relaxation"] > 1.0
+    assert other.agreement_beside == {**pair.agreement_beside, "relaxation": 0.0}
     assert other.evidence == pair.evidence
 
 
@@ -59,11 +67,12 @@ def test_what_cannot_be_played_is_no_rival(bent):
         naming,
         scored=[],
         decision=dataclasses.replace(naming.decision, verdict=Verdict.NOTHING_FOUND, best=None, ties=()),
-        identifiable=dataclasses.replace(naming.identifiable, undetectable=(SOFT,)),
+        identifiable=dataclasses.replace(
+            naming.identifiable, visible=np.full_like(naming.identifiable.visible, np.inf)
+        ),
     )
-    stubborn = dataclasses.replace(
-        quiet, whitened=dataclasses.replace(naming.whitened, touch_set=without_arm(naming.whitened.touch_set))
-    )
+    unfitted = dataclasses.replace(naming.whitened, touch_set=Unfitted(bent.touches, bent.base))
+    stubborn = dataclasses.replace(quiet, whitened=unfitted)
     assert [one.name for one in rivals_of(quiet).members[1:]] == [SOFT]
     assert rivals_of(stubborn).members[1:] == ()
     # the same of an effect that a screen finds, where nothing is claimed and nothing was refitted
@@ -78,7 +87,7 @@ def test_what_cannot_be_played_is_no_rival(bent):
 @pytest.mark.slow
 def test_an_interval_ends_where_there_is_no_balance(bent, monkeypatch):
     """With no balance beyond half of the reach by the curvature, its end lies within that half, and above a third."""
-    naming = name_effects(bent, START, NamingOptions(effects=("lag",), profile=False, pairs=False))
+    naming = name_effects(bent, START, NamingOptions(effects=("relaxation",), profile=False, pairs=False))
     request = IntervalRequest(naming.whitened, naming.base, 1.0)
     by_curvature = {(end.entry, end.side): end.by_curvature for end in request.ends}
 
@@ -93,14 +102,15 @@ def test_an_interval_ends_where_there_is_no_balance(bent, monkeypatch):
     monkeypatch.setattr(intervals, "least_cost", cost)
     whole = request.reached(list(by_curvature.values()))
     for found, wide in zip(profiled_intervals([request])[0], whole, strict=True):
-        assert 0.3 < (found.high - found.value) / (wide.high - wide.value) < 0.5
-        assert 0.3 < (found.value - found.low) / (wide.value - wide.low) < 0.5
+        for end, far in ((found.high, wide.high), (found.low, wide.low)):
+            # a number at its bound goes no further
+            assert end == far == found.value or 0.3 < (end - found.value) / (far - wide.value) < 0.5
 
 
 @pytest.mark.slow
 def test_offsets_of_held_out_touches_stay_where_the_next_have_no_balance(bent, monkeypatch):
     """Wrenches of touches that are held out are those of the offsets before."""
-    naming = name_effects(bent, START, NamingOptions(effects=("lag",), profile=False, pairs=False))
+    naming = name_effects(bent, START, NamingOptions(effects=("relaxation",), profile=False, pairs=False))
     white, model = naming.whitened, naming.base.model
     numerical = white.simulation_error_wrenches(model.material, model.offsets)
     first = white.touch_set.played(model.material, (), model.offsets)
