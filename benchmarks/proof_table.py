@@ -20,8 +20,14 @@ COUNTS = {
     "visible effects named": "visible effects named",
 }
 """Columns, and the first words of the printed lines that they are from."""
-RULES = {"A twenty-third ensemble": "the rules of today", "A seventeenth ensemble": "the rules of 28 and 29 November"}
+RULES = {
+    "A twenty-sixth ensemble": "the rules of today",
+    "A twenty-third ensemble": "the rules of decision 0093",
+    "A seventeenth ensemble": "the rules of 28 and 29 November",
+}
 """The first ensemble of each set of rules, the newest first: those from it on, up to the next set, are summed."""
+CHOSEN = " (chosen)"
+"""Stands behind counts of effects that the command chose (``--effects``); they are in no sum, as they are no sample."""
 
 
 def slug(heading: str) -> str:
@@ -36,15 +42,20 @@ def option(command: str, name: str) -> str:
 
 
 def rows(page: str) -> list[tuple[str, ...]]:
-    """Heading, generators, plans, commit, date and counts of every section with a score and a root."""
+    """Heading, generators, plans, commit, date and counts of every section with a score and a root.
+
+    Counts of chosen effects are marked; nulls hide none, so that theirs are not.
+    """
     found = []
     for section in re.split(r"(?m)^(?=## )", page):
         heading = section.partition("\n")[0].removeprefix("## ")
         counts = [re.search(rf"(?m)^{words} .* (\d+ of \d+) ", section) for words in COUNTS.values()]
         command = re.search(r"(?m)^`(tactiledata prove --[^`]*)`, commit (\w+), ([\d-]+)", section)
         if command and "--quick" not in command.group(1) and any(counts):
-            told = [count.group(1) if count else "-" for count in counts]
             what, commit, date = command.groups()
+            told = [count.group(1) if count else "-" for count in counts]
+            if "--effects" in what:
+                told[1:] = [count if count == "-" else count + CHOSEN for count in told[1:]]
             generators, plans = option(what, "generators"), option(what, "plans")
             found.append((f"[{heading}](#{slug(heading)})", generators, plans, commit, date, *told))
     return found
@@ -63,7 +74,8 @@ def summed(found: list[tuple[str, ...]]) -> list[tuple[str, ...]]:
         same, newer = found[newer : places[0] + 1], places[0] + 1
         counts = []
         for column in range(-len(COUNTS), 0):
-            pairs = [tuple(map(int, row[column].split(" of "))) for row in same if row[column] != "-"]
+            counted = [row[column] for row in same if row[column] != "-" and not row[column].endswith(CHOSEN)]
+            pairs = [tuple(map(int, count.split(" of "))) for count in counted]
             counts.append(f"{sum(few for few, _ in pairs)} of {sum(all_ for _, all_ in pairs)}")
         ensembles = "the ensemble" if len(same) == 1 else f"the {len(same)} ensembles"
         sums.append((f"**{ensembles} with {rules}**", "", "", "", "", *counts))
