@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Generic, TypeVar, cast
 
 from tactiledata.compute.threads import one_thread
@@ -101,8 +101,16 @@ def in_order(
             drop(begun)
 
 
+def attempt_afar(function: Callable[[Any], Any], task: Any) -> Outcome[None, Any]:
+    """Run one task and return its outcome without the task; workers execute this function.
+
+    Who sent the task has it still: only results travel back, and what a task keeps of its work need not pickle.
+    """
+    return replace(attempt(function, task), task=None)
+
+
 def attempt(function: Callable[[Any], Any], task: Any) -> Outcome[Any, Any]:
-    """Run one task in this process and return its outcome; workers execute this function.
+    """Run one task in this process and return its outcome.
 
     Linear algebra has one thread: workers share the cores, and a result does not depend on their number.
     """

@@ -8,9 +8,10 @@ import socket
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any
 
-from tactiledata.compute.base import Outcome, R, Scheduler, T, attempt, in_order
+from tactiledata.compute.base import Outcome, R, Scheduler, T, attempt_afar, in_order
 from tactiledata.contract.extras import missing_package
 from tactiledata.errors import TactileDataError, UsageError
 
@@ -86,7 +87,7 @@ class DaskScheduler(Scheduler):
             most = max(ahead or 0, 4, 2 * sum(client.ncores().values()))
             yield from in_order(
                 tasks,
-                lambda task: client.submit(attempt, function, task, pure=False),
+                lambda task: client.submit(attempt_afar, function, task, pure=False),
                 lambda task, future: self._collect(client, task, future),
                 most,
             )
@@ -110,9 +111,9 @@ class DaskScheduler(Scheduler):
         from distributed import CancelledError, KilledWorker
 
         try:
-            outcome: Outcome[Any, Any] = self._result(client, task, future)
+            outcome = self._result(client, task, future)
             future.release()  # a worker that is lost later does not do it again
-            return outcome
+            return replace(outcome, task=task)
         except KilledWorker as error:
             raise TactileDataError(
                 f"workers of the Dask cluster died again and again at {str(task)[:300]}",
@@ -129,14 +130,15 @@ class DaskScheduler(Scheduler):
                 "Start it anew, and run the command again to go on; finished tasks are kept.",
             ) from error
 
-    def _result(self, client: Any, task: Any, future: Any) -> Any:
+    def _result(self, client: Any, task: Any, future: Any) -> Outcome[None, Any]:
         """Return what a task gave; a cluster that has lost all of its workers for long would never send it."""
         lost_since: float | None = None
         sent = client.gather(future, asynchronous=True)
         gathered = asyncio.run_coroutine_threadsafe(sent, client.loop.asyncio_loop)
         while True:
             try:
-                return gathered.result(timeout=LOOK_AGAIN)
+                outcome: Outcome[None, Any] = gathered.result(timeout=LOOK_AGAIN)
+                return outcome
             except TimeoutError:
                 if gathered.done():  # the task's own
                     raise

@@ -6,9 +6,10 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any
 
-from tactiledata.compute.base import Outcome, R, Scheduler, T, attempt, in_order
+from tactiledata.compute.base import Outcome, R, Scheduler, T, attempt, attempt_afar, in_order
 from tactiledata.contract.worker_pool import need_workers, worker_died, worker_pool
 from tactiledata.errors import TactileDataError
 
@@ -82,17 +83,17 @@ class LocalScheduler(Scheduler):
             raise
 
 
-def _submitted(pool: ProcessPoolExecutor, function: Callable[[Any], Any], task: Any) -> Future[Outcome[Any, Any]]:
+def _submitted(pool: ProcessPoolExecutor, function: Callable[[Any], Any], task: Any) -> Future[Outcome[None, Any]]:
     """Return the future of a task; a pool whose worker died becomes an error of ours."""
     try:
-        return pool.submit(attempt, function, task)
+        return pool.submit(attempt_afar, function, task)
     except BrokenProcessPool as error:
         raise worker_died(task) from error
 
 
-def _collect(task: Any, future: Future[Outcome[Any, Any]]) -> Outcome[Any, Any]:
+def _collect(task: Any, future: Future[Outcome[None, Any]]) -> Outcome[Any, Any]:
     """Return the outcome of a submitted task once it is done; a worker that died becomes an error of ours."""
     try:
-        return future.result()
+        return replace(future.result(), task=task)
     except BrokenProcessPool as error:
         raise worker_died(task) from error

@@ -26,6 +26,15 @@ def die(number):
     return number
 
 
+class Keeping:
+    """A task that keeps of its work what no process can send."""
+
+    def work(self):
+        """Keep a function, and say how many are kept."""
+        self.kept = lambda: None
+        return len(vars(self))
+
+
 def met(task):
     """Whether the last of nine tasks ran while the first one waited for it, at most so many seconds."""
     number, folder, seconds = task
@@ -53,6 +62,15 @@ def test_local_outcomes_keep_order_and_errors(workers):
 
 
 @pytest.mark.slow
+def test_only_results_come_back_from_workers():
+    """A task keeps a function, which no process could send; its outcome has the task that was sent, untouched."""
+    tasks = [Keeping(), Keeping()]
+    outcomes = list(SCHEDULERS["local"](2).outcomes(Keeping.work, tasks))
+    assert [outcome.result for outcome in outcomes] == [1, 1]
+    assert all(outcome.task is task and not vars(task) for outcome, task in zip(outcomes, tasks, strict=True))
+
+
+@pytest.mark.slow
 def test_a_slow_task_does_not_hold_up_the_others(tmp_path):
     """All tasks are begun while the first one runs, if the caller allows it; otherwise only a few are."""
     (tmp_path / "few").mkdir()
@@ -67,7 +85,13 @@ def test_dask_outcomes_equal_local_ones():
     """A real Dask cluster gives what local processes give."""
     distributed = pytest.importorskip("distributed")
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=":0") as cluster:
-        check(list(SCHEDULERS["dask"](cluster.scheduler_address).outcomes(halve, range(10))))
+        scheduler = SCHEDULERS["dask"](cluster.scheduler_address)
+        check(list(scheduler.outcomes(halve, range(10))))
+        # only results come back
+        tasks = [Keeping(), Keeping()]
+        outcomes = list(scheduler.outcomes(Keeping.work, tasks))
+    assert [outcome.result for outcome in outcomes] == [1, 1]
+    assert all(outcome.task is task and not vars(task) for outcome, task in zip(outcomes, tasks, strict=True))
 
 
 @pytest.mark.slow
