@@ -86,7 +86,7 @@ def test_what_cannot_be_played_is_no_rival(bent):
 
 @pytest.mark.slow
 def test_an_interval_ends_where_there_is_no_balance(bent, monkeypatch):
-    """With no balance beyond half of the reach by the curvature, its end lies within that half, and above a third."""
+    """An interval is 0.3 to 0.5 of its width by the curvature where nothing beyond half of that width has a balance."""
     naming = name_effects(bent, START, NamingOptions(effects=("relaxation",), profile=False, pairs=False))
     request = IntervalRequest(naming.whitened, naming.base, 1.0)
     by_curvature = {(end.entry, end.side): end.by_curvature for end in request.ends}
