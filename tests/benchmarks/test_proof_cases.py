@@ -31,7 +31,7 @@ def test_cases_are_those_of_the_kinds_that_are_asked(proof):
 
 @pytest.mark.slow
 def test_what_is_known_of_a_case_says_whether_it_was_named(proof):
-    """The document of each case has effect, signal and generator of its label, and whether its answer named the effect."""
+    """The document of a case has effect, signal and generator of its label, and whether its answer named the effect."""
     cases = proof_cases(proof_parser(None).parse_args([str(proof.path)]), ("visible",))
     assert [one.effect for one in cases] == ["lag"] * 6
     documents = [one.document for one in cases]
