@@ -143,7 +143,8 @@ def _profiled(end: _End) -> float:
     """How far an entry of the vector can move before the cost has risen by ``RISE``, all other numbers fitted anew.
 
     Each round scales the reach as if the cost were a parabola with its minimum at the fit. Where gel and springs find
-    no balance, the reach is ``SHORTER`` as large, and no more is tried.
+    no balance, the next round tries ``SHORTER`` of the reach, and nothing beyond it; a reach that the last round leaves
+    is the shorter one.
     """
     request, entry, room, reach = end.request, end.entry, end.room, end.by_curvature
     fit = request.fit
@@ -159,7 +160,7 @@ def _profiled(end: _End) -> float:
         try:
             rise = (least_cost(request.whitened, start, (entry,), ROUNDS) - fit.cost) / request.dispersion
         except UsageError:
-            room = SHORTER * reach
+            reach = room = SHORTER * reach
             continue
         if reach >= room and rise < RISE:
             return room

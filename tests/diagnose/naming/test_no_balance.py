@@ -108,6 +108,21 @@ def test_an_interval_ends_where_there_is_no_balance(bent, monkeypatch):
 
 
 @pytest.mark.slow
+def test_an_interval_without_any_balance_ends_short_of_all_that_was_tried(bent, monkeypatch):
+    """Where no round finds a balance, an end lies at 0.343 of the width by the curvature: 0.7 of the third try."""
+    naming = name_effects(bent, START, NamingOptions(effects=("relaxation",), profile=False, pairs=False))
+    request = IntervalRequest(naming.whitened, naming.base, 1.0)
+
+    def cost(whitened, start, held, rounds):
+        raise unbalanced(0.017, 30)
+
+    monkeypatch.setattr(intervals, "least_cost", cost)
+    expected = request.reached([intervals.SHORTER**3 * min(end.by_curvature, end.room) for end in request.ends])
+    for found, end in zip(profiled_intervals([request])[0], expected, strict=True):
+        assert (found.low, found.high) == pytest.approx((end.low, end.high), rel=1e-12)
+
+
+@pytest.mark.slow
 def test_offsets_of_held_out_touches_stay_where_the_next_have_no_balance(bent, monkeypatch):
     """Wrenches of touches that are held out are those of the offsets before."""
     naming = name_effects(bent, START, NamingOptions(effects=("relaxation",), profile=False, pairs=False))
