@@ -1,24 +1,17 @@
-"""Shear that depends on earlier frames: friction that has changed since the contact slid, and another path."""
+"""Shear that depends on earlier frames: friction that is not that of a play, or changes, and another path."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import hypot
 from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from scipy.interpolate import PchipInterpolator
 from scipy.optimize import least_squares
 
-from tactiledata.arrays import Array, Mask
+from tactiledata.arrays import Array
 from tactiledata.diagnose.touches.played_columns import cubics_at
-
-BEGINS_TO_SLIDE, ALL_SLIDES = 0.8, 0.95
-"""Shares of the friction limit between which memory fades from none lost to all lost.
-
-On a curved gel, a contact that slides is a little off the limit."""
-TURNS = 0.05
-"""If that share falls by at least this from one frame to the next, shear is being unloaded and no memory is lost."""
 
 
 @dataclass(frozen=True)
@@ -41,92 +34,6 @@ class CubicsOverFriction:
         """Return columns (n, c), each frame at its own friction coefficient (n,)."""
         columns: Array = cubics_at(self.nodes, self.coefficients, frictions)
         return columns
-
-
-def remembered_shear(frictions: Array, columns: CubicsOverFriction, own: Array, touching: Mask, reach: Array) -> Array:
-    """Return shear (n, 2) that stuck at another friction, to be added to the shear at each frame's own friction.
-
-    Let T_k(f) be the shear of frame k if the whole path had had the friction f. From frame k - 1 to frame k, whose
-    friction is f, the shear T changes as it does at f: T_k = T_k-1 + T_k(f) - T_k-1(f), within the friction limit. That
-    is Masing's rule, which holds for partial slip on the way back as in Mindlin's contact. The memory is T_k - T_k(f).
-    Sliding erases memory: the nearer T_k(f) is to the friction limit, unless it is falling, the more of the memory is
-    lost. No more is lost than the motion since the frame before could have loaded, so that a friction limit that grows
-    at rest changes no shear. Shear depends continuously on all inputs.
-
-    Parameters
-    ----------
-    frictions : (n,)
-        Friction coefficient of each frame.
-    columns : CubicsOverFriction
-        Columns over the friction: force along x, along y, normal force, then others; over Young's modulus, in m^2.
-    own : (n, c)
-        The columns of each frame at its own friction.
-    touching : (n,) bool
-        Frames in contact; memory is lost without contact.
-    reach : (n,)
-        Tangential stiffness of the contact times the way along the gel since the frame before, in the unit of the
-        forces.
-    """
-    if (frictions == frictions[:1]).all():
-        return np.zeros((len(frictions), 2))
-    # each frame but the last at the friction of the frame after it
-    before = CubicsOverFriction(columns.nodes, columns.coefficients[:, :, :-1, :3]).at(frictions[1:])
-    share = _share(own[1:], frictions[1:])
-    grows = share - _share(before, frictions[1:])
-    forgets = 1.0 - np.maximum((ALL_SLIDES - share) / (ALL_SLIDES - BEGINS_TO_SLIDE), -grows / TURNS).clip(0.0, 1.0)
-    most = np.maximum(frictions * np.maximum(own[:, 2], 0.0), np.hypot(own[:, 0], own[:, 1]))
-    in_contact = touching[1:] & touching[:-1]
-    return _shear_remembered(own[:, :2], own[:-1, :2] - before[:, :2], most[1:], forgets, reach[1:], in_contact)
-
-
-def _shear_remembered(own: Array, changed: Array, most: Array, forgets: Array, reach: Array, in_contact: Mask) -> Array:
-    """Return the memory (n, 2): shear beyond the frames' own.
-
-    Parameters
-    ----------
-    own : (n, 2)
-        Shear of each frame at its own friction.
-    changed : (n - 1, 2)
-        By how much the shear of the frame before exceeds its shear at the friction of this frame, from the second
-        frame on.
-    most : (n - 1,)
-        Friction limit.
-    forgets : (n - 1,)
-        Share of the memory that is lost, 0 to 1.
-    reach : (n - 1,)
-        Largest size of the memory that can be lost.
-    in_contact : (n - 1,) bool
-        Whether this frame and the one before are in contact.
-    """
-    more = np.zeros_like(own)
-    x = y = 0.0
-    steps = zip(
-        own[1:].tolist(), changed.tolist(), *(column.tolist() for column in (most, forgets, reach)), strict=True
-    )
-    for frame, ((own_x, own_y), (add_x, add_y), limit, share, way) in enumerate(steps, start=1):
-        if not in_contact[frame - 1]:
-            x = y = 0.0
-            continue
-        # the sum, brought back to the limit
-        pull_x, pull_y = own_x + x + add_x, own_y + y + add_y
-        size = hypot(pull_x, pull_y)
-        within = limit / size if size > limit else 1.0
-        x, y = pull_x * within - own_x, pull_y * within - own_y
-        # the part that sliding erases
-        size = hypot(x, y)
-        left = 1.0 - min(share * size, way) / size if size > 0.0 else 0.0
-        x, y = x * left, y * left
-        more[frame] = x, y
-    return more
-
-
-def _share(columns: Array, frictions: Array) -> Array:
-    """Return the shear over the friction limit (n,); 0 without a normal force."""
-    limits = frictions * np.maximum(columns[:, 2], 0.0)
-    share: Array = np.divide(
-        np.hypot(columns[:, 0], columns[:, 1]), limits, out=np.zeros_like(limits), where=limits > 0
-    )
-    return share
 
 
 PARTS = 12
@@ -199,32 +106,106 @@ def _pull_of_sliders(path: Array, stiffness: Array, limit: Array, factor: float,
     return pull
 
 
-def own_sliders(path: Array, pull: Array, stiffness: Array, limit: Array) -> Sliders:
-    """Return the springs with sliders whose pull is nearest to a given one; those of a round contact if it is faint.
+def own_sliders(path: Array, pulls: Array, stiffness: Array, limits: Array) -> Sliders:
+    """Return the springs with sliders whose pulls are nearest to given ones; those of a round contact if all are faint.
 
     Parameters
     ----------
     path : (n, 2) m
         Position of the indenter along the gel.
-    pull : (n, 2)
-        Pull on the gel.
-    stiffness, limit : (n,)
+    pulls : (m, n, 2)
+        Pull on the gel at each of m friction coefficients.
+    stiffness : (n,)
         As in `Sliders.pull`, in the unit of the pull.
+    limits : (m, n)
+        Friction limit at each of the coefficients.
     """
-    size = np.hypot(pull[:, 0], pull[:, 1])
-    if size.max(initial=0.0) <= LEAST_PULL * limit.max(initial=0.0):
+    sizes = np.hypot(pulls[..., 0], pulls[..., 1])
+    if sizes.max(initial=0.0) <= LEAST_PULL * limits.max(initial=0.0):
         return Sliders()
-    # on a curved gel, a contact that slides is a little off the limit
-    reached, unit = np.maximum(limit, np.where(limit > 0, size, 0.0)), size.max()
+    unit = sizes.max()
 
     def missing(values: Array) -> Array:
         sliders = Sliders(float(np.exp(values[0])), float(values[1]))
-        return ((sliders.pull(path, stiffness, reached) - pull) / unit).ravel()
+        found = np.array([sliders.pull(path, stiffness, limit) for limit in limits])
+        return ((found - pulls) / unit).ravel()
 
     most = float(np.log(LARGEST_FACTOR))
     start = min(([0.0, spread] for spread in STARTS), key=lambda values: float(np.sum(missing(np.array(values)) ** 2)))
     solution = least_squares(missing, start, bounds=([-most, -1e-9], [most, 1.0]), diff_step=1e-2, max_nfev=20).x
     return Sliders(float(np.exp(solution[0])), float(max(solution[1], 0.0)))
+
+
+@dataclass(frozen=True)
+class ShearBetweenPlays:
+    """Shear of one touch at friction coefficients that were not played: a control variate by springs with sliders.
+
+    The springs follow the recorded path at the friction that is asked for in each frame, and at each friction that was
+    played. The former, less what interpolation makes of the latter, is added to the interpolated shear. So what a play
+    tells stands; the springs tell where a contact turns from sticking to sliding between two plays, what a friction
+    beyond those played does, and what is left of earlier frames with another friction.
+
+    Parameters
+    ----------
+    path : (n, 2) m
+        Recorded position of the indenter along the gel.
+    stiffness : (n,)
+        Tangential stiffness of a round contact, in the unit of the load per metre; 0 without contact.
+    load : (n,)
+        Normal force of the plays; 0 without contact.
+    sliders : Sliders
+        Springs with sliders that pull as this touch does.
+    played : CubicsOverFriction
+        Their shear (n, 2), on the indenter, interpolated between the frictions that were played.
+    """
+
+    path: Array
+    stiffness: Array
+    load: Array
+    sliders: Sliders
+    played: CubicsOverFriction
+
+    @classmethod
+    def of(cls, nodes: Array, path: Array, stiffness: Array, load: Array, shear: Array) -> ShearBetweenPlays:
+        """Fit springs with sliders to the plays of a touch.
+
+        Parameters
+        ----------
+        nodes : (m,)
+            Friction coefficients that were played, ascending.
+        path, stiffness, load
+            See the class.
+        shear : (m, n, 2)
+            Shear on the indenter at each of these frictions; 0 without contact.
+        """
+        limits = nodes[:, None] * load
+        sliders = own_sliders(path, -shear, stiffness, limits)
+        own = -np.array([sliders.pull(path, stiffness, limit) for limit in limits])
+        return cls(path, stiffness, load, sliders, CubicsOverFriction(nodes, PchipInterpolator(nodes, own).c))
+
+    def missed(self, frictions: Array, shear: Array, load: Array) -> Array:
+        """Return the shear (n, 2) on the indenter that interpolation between plays misses.
+
+        Below the lowest friction that was played, what the springs miss of that play is in proportion to the friction.
+
+        Parameters
+        ----------
+        frictions : (n,)
+            Friction coefficient of each frame.
+        shear : (n, 2)
+            Shear on the indenter, interpolated at these frictions.
+        load : (n,)
+            Normal force; what is missed is in proportion to it, where it differs from that of the plays.
+        """
+        springs, played = (
+            -self.sliders.pull(self.path, self.stiffness, frictions * self.load),
+            self.played.at(frictions),
+        )
+        share = np.minimum(frictions / self.played.nodes[0], 1.0)[:, None]
+        missed = springs - played + (share - 1.0) * (shear - played)
+        scale = np.divide(load, self.load, out=np.zeros_like(load), where=self.load > 0)
+        found: Array = np.where(scale[:, None] > 0, scale[:, None] * missed, 0.0)
+        return found
 
 
 def shear_change(path: Array, shift: Array, stiffness: Array, limit: Array, sliders: Sliders) -> Array:

@@ -13,7 +13,7 @@ from scipy.interpolate import PchipInterpolator
 from tactiledata.arrays import Array
 from tactiledata.calibrate.plan import ResponsePlan
 from tactiledata.calibrate.response import polynomial_weights
-from tactiledata.diagnose.touches.friction_history import CubicsOverFriction, Sliders, own_sliders
+from tactiledata.diagnose.touches.friction_history import CubicsOverFriction, ShearBetweenPlays
 from tactiledata.diagnose.touches.played_columns import AREA, LEAST_FORCE
 from tactiledata.effects.touch.response import GelVariant
 from tactiledata.effects.touch.shear_stiffness import shear_stiffness
@@ -144,8 +144,8 @@ class TouchPlays:
         level, slope, curvature = (CubicsOverFriction(nodes, part).at(frictions) for part in self._of_ratio(ratio))
         return level, slope, curvature
 
-    def sliders(self, path: Array, thickness: float) -> Sliders:
-        """Return springs with sliders that pull along the recorded path as the gel does at the middle pair; cached.
+    def shear_between(self, path: Array, thickness: float) -> ShearBetweenPlays:
+        """Return what tells shear between plays, by the frictions that were played at the middle nu; cached.
 
         Parameters
         ----------
@@ -154,19 +154,20 @@ class TouchPlays:
         thickness : float
             Thickness of the gel in metres.
         """
-        if not self._sliders:
-            ratio, friction = self.plan.ratios[self.plan.middle[0]], self.plan.frictions[self.plan.middle[1]]
-            columns = self.level[self.plan.middle]
-            touching = columns[:, 2] > LEAST_FORCE
-            area, load = (np.where(touching, np.maximum(columns[:, place], 0.0), 0.0) for place in (AREA, 2))
-            pull = np.where(touching[:, None], -columns[:, :2], 0.0)
-            spring = shear_stiffness(area, ratio, thickness)
-            self._sliders.append(own_sliders(path, pull, spring, friction * load))
-        return self._sliders[0]
+        if not self._between:
+            nu_middle, mu_middle = self.plan.middle
+            columns = self.level[nu_middle]
+            touching = columns[mu_middle, :, 2] > LEAST_FORCE
+            area, load = (np.where(touching, np.maximum(columns[mu_middle, :, place], 0.0), 0.0) for place in (AREA, 2))
+            shear = np.where(touching[:, None], columns[..., :2], 0.0)
+            spring = shear_stiffness(area, self.plan.ratios[nu_middle], thickness)
+            nodes = np.asarray(self.plan.frictions)
+            self._between.append(ShearBetweenPlays.of(nodes, path, spring, load, shear))
+        return self._between[0]
 
     @cached_property
-    def _sliders(self) -> list[Sliders]:
-        """Cache of `sliders`: empty, or the one result."""
+    def _between(self) -> list[ShearBetweenPlays]:
+        """Cache of `shear_between`: empty, or the one result."""
         return []
 
     @cached_property

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from tactiledata.arrays import Array
-from tactiledata.diagnose.touches.friction_history import remembered_shear, shear_change
+from tactiledata.diagnose.touches.friction_history import Sliders, shear_change
 from tactiledata.diagnose.touches.grid_answer import TouchPlays
 from tactiledata.diagnose.touches.played_columns import pressed, wrench_at_height
 from tactiledata.effects.touch.response import BaseResponse, ContactResponse, GelVariant
@@ -26,10 +26,10 @@ SLIDES = 0.95
 class PlayedResponse:
     """`BaseResponse` of one touch from its plays, at one material.
 
-    Between plays the wrench is interpolated. The offset of a frame acts as if the whole path had had it. Where friction
-    differs from frame to frame, a frame responds as if the whole path had had its friction, except that shear that
-    sticks starts from the pull at which the contact slid last (`remembered_shear`). The effect of a shift that differs
-    from frame to frame is that of springs with sliders, fitted to this touch, along the shifted path (`shear_change`).
+    Between plays the wrench is interpolated. The offset of a frame acts as if the whole path had had it. Springs with
+    sliders, fitted to this touch, tell what interpolation misses of the shear where friction is not that of a play, or
+    differs from frame to frame (`ShearBetweenPlays`). The effect of a shift that differs from frame to frame is that of
+    the same springs along the shifted path (`shear_change`).
 
     Parameters
     ----------
@@ -61,23 +61,26 @@ class PlayedResponse:
         frictions = self.material.friction * friction
         differs = (frictions != frictions[:1]).any()
         ratio = self.material.poisson_ratio
-        over = self.plays.over_friction(ratio, offset, shift) if differs else None
-        columns = over.at(frictions) if over else self.plays.at(ratio, frictions[0], offset, shift)
+        if differs:
+            columns = self.plays.over_friction(ratio, offset, shift).at(frictions)
+        else:
+            columns = self.plays.at(ratio, frictions[0], offset, shift)
         tips = self.touch.tips
         depth = self.plays.height - tips[:, 2] + offset
         unit, centre, area, load = pressed(columns, depth, tips, shift)
         touching, limit = load > 0, frictions * load
         spring = shear_stiffness(area, ratio, self.touch.geometry.thickness)
         # shear that depends on friction and path before the frame
-        if over:
-            reach = spring * self.touch.lateral_steps
-            unit = unit + self._force_at(remembered_shear(frictions, over, columns, touching, reach), centre)
-        unit = unit + self._sheared(unit, shift, spring, limit, centre)
+        between = self.plays.shear_between(tips[:, :2], self.touch.geometry.thickness)
+        unit = unit + self._force_at(between.missed(frictions, columns[:, :2], load), centre)
+        unit = unit + self._sheared(unit, shift, spring, limit, centre, between.sliders)
         sliding = touching & (np.hypot(unit[:, 0], unit[:, 1]) >= SLIDES * limit)
         modulus = self.material.youngs_modulus
         return ContactResponse(unit * modulus, area, centre, depth, sliding, spring * modulus)
 
-    def _sheared(self, unit: Array, shift: Array, spring: Array, limit: Array, centre: Array) -> Array:
+    def _sheared(
+        self, unit: Array, shift: Array, spring: Array, limit: Array, centre: Array, sliders: Sliders
+    ) -> Array:
         """Return the change (n, 6) of the wrench over Young's modulus by a shift that differs from frame to frame.
 
         It is 0 where the shift is the same in all frames: the plays have that shift already. With the change, the shear
@@ -95,11 +98,13 @@ class PlayedResponse:
             Friction limit over Young's modulus.
         centre : (n, 2) m
             Centre of pressure.
+        sliders : Sliders
+            Springs with sliders that pull as this touch does.
         """
         path = self.touch.tips[:, :2]
         if not (shift != shift[:1]).any():
             return np.zeros_like(unit)
-        change = shear_change(path, shift, spring, limit, self.plays.sliders(path, self.touch.geometry.thickness))
+        change = shear_change(path, shift, spring, limit, sliders)
         shear, before = unit[:, :2] + change, np.hypot(unit[:, 0], unit[:, 1])
         size = np.hypot(shear[:, 0], shear[:, 1])
         # a contact that slides already may exceed the limit a little, by the interpolation
