@@ -13,10 +13,14 @@ from scipy.interpolate import PchipInterpolator
 from tactiledata.arrays import Array
 from tactiledata.calibrate.plan import ResponsePlan
 from tactiledata.calibrate.response import polynomial_weights
-from tactiledata.diagnose.touches.friction_history import CubicsOverFriction, ShearBetweenPlays
-from tactiledata.diagnose.touches.played_columns import AREA, LEAST_FORCE
+from tactiledata.diagnose.touches.between_plays import (
+    CubicsOverFriction,
+    Parabola,
+    PressedContact,
+    ShearBetweenPlays,
+)
+from tactiledata.diagnose.touches.played_columns import AREA, NORMAL
 from tactiledata.effects.touch.response import GelVariant
-from tactiledata.effects.touch.shear_stiffness import shear_stiffness
 
 Bend = tuple[Array, Array, Array]
 """Level, slope and curvature of a parabola over the offset z: level + z (slope + z curvature)."""
@@ -145,7 +149,7 @@ class TouchPlays:
         return level, slope, curvature
 
     def shear_between(self, path: Array, thickness: float) -> ShearBetweenPlays:
-        """Return what tells shear between plays, by the frictions that were played at the middle nu; cached.
+        """Return what tells shear between plays, from those at the middle nu; cached.
 
         Parameters
         ----------
@@ -156,13 +160,13 @@ class TouchPlays:
         """
         if not self._between:
             nu_middle, mu_middle = self.plan.middle
-            columns = self.level[nu_middle]
-            touching = columns[mu_middle, :, 2] > LEAST_FORCE
-            area, load = (np.where(touching, np.maximum(columns[mu_middle, :, place], 0.0), 0.0) for place in (AREA, 2))
-            shear = np.where(touching[:, None], columns[..., :2], 0.0)
-            spring = shear_stiffness(area, self.plan.ratios[nu_middle], thickness)
-            nodes = np.asarray(self.plan.frictions)
-            self._between.append(ShearBetweenPlays.of(nodes, path, spring, load, shear))
+            middle = self.level[nu_middle, mu_middle]
+            load, area = (
+                Parabola(middle[:, place], *self.by_friction[mu_middle][:, :, place]) for place in (NORMAL, AREA)
+            )
+            contact = PressedContact(load, area, self.plan.ratios[nu_middle], thickness)
+            nodes, shear = np.asarray(self.plan.frictions), self.level[nu_middle, :, :, :2]
+            self._between.append(ShearBetweenPlays.of(nodes, self.plan.offset, path, contact, shear))
         return self._between[0]
 
     @cached_property

@@ -11,6 +11,8 @@ from numba import njit
 from tactiledata.arrays import Array
 from tactiledata.effects.touch.state import torque_of
 
+NORMAL = 2
+"""Index of the column with the normal force."""
 AREA = 6
 """Index of the column with the contact's area, after the six of the wrench."""
 LEAST_FORCE = 1e-9

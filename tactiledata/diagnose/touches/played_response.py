@@ -9,7 +9,6 @@ from functools import cached_property
 import numpy as np
 
 from tactiledata.arrays import Array
-from tactiledata.diagnose.touches.friction_history import Sliders, shear_change
 from tactiledata.diagnose.touches.grid_answer import TouchPlays
 from tactiledata.diagnose.touches.played_columns import pressed, wrench_at_height
 from tactiledata.effects.touch.response import BaseResponse, ContactResponse, GelVariant
@@ -26,10 +25,9 @@ SLIDES = 0.95
 class PlayedResponse:
     """`BaseResponse` of one touch from its plays, at one material.
 
-    Between plays the wrench is interpolated. The offset of a frame acts as if the whole path had had it. Springs with
-    sliders, fitted to this touch, tell what interpolation misses of the shear where friction is not that of a play, or
-    differs from frame to frame (`ShearBetweenPlays`). The effect of a shift that differs from frame to frame is that of
-    the same springs along the shifted path (`shear_change`).
+    Between plays the wrench is interpolated: normal force, torques and area of a frame are those of a path that had the
+    frame's friction and offset throughout. Springs with sliders, fitted to this touch, tell what that misses of the
+    shear, which depends on earlier frames (`ShearBetweenPlays`).
 
     Parameters
     ----------
@@ -70,51 +68,13 @@ class PlayedResponse:
         unit, centre, area, load = pressed(columns, depth, tips, shift)
         touching, limit = load > 0, frictions * load
         spring = shear_stiffness(area, ratio, self.touch.geometry.thickness)
-        # shear that depends on friction and path before the frame
+        # shear that depends on earlier frames, and what interpolation misses of it
         between = self.plays.shear_between(tips[:, :2], self.touch.geometry.thickness)
-        unit = unit + self._force_at(between.missed(frictions, columns[:, :2], load), centre)
-        unit = unit + self._sheared(unit, shift, spring, limit, centre, between.sliders)
+        missed = between.missed(frictions, offset, shift, columns[:, :2], load)
+        unit = unit + wrench_at_height(missed, centre, tips[:, 2])
         sliding = touching & (np.hypot(unit[:, 0], unit[:, 1]) >= SLIDES * limit)
         modulus = self.material.youngs_modulus
         return ContactResponse(unit * modulus, area, centre, depth, sliding, spring * modulus)
-
-    def _sheared(
-        self, unit: Array, shift: Array, spring: Array, limit: Array, centre: Array, sliders: Sliders
-    ) -> Array:
-        """Return the change (n, 6) of the wrench over Young's modulus by a shift that differs from frame to frame.
-
-        It is 0 where the shift is the same in all frames: the plays have that shift already. With the change, the shear
-        exceeds neither the friction limit nor, where it was above that before, its earlier size.
-
-        Parameters
-        ----------
-        unit : (n, 6)
-            Wrench over Young's modulus, without that change.
-        shift : (n, 2) m
-            Along x and y of the gel frame.
-        spring : (n,) m
-            Tangential stiffness of the contact over Young's modulus.
-        limit : (n,) m^2
-            Friction limit over Young's modulus.
-        centre : (n, 2) m
-            Centre of pressure.
-        sliders : Sliders
-            Springs with sliders that pull as this touch does.
-        """
-        path = self.touch.tips[:, :2]
-        if not (shift != shift[:1]).any():
-            return np.zeros_like(unit)
-        change = shear_change(path, shift, spring, limit, sliders)
-        shear, before = unit[:, :2] + change, np.hypot(unit[:, 0], unit[:, 1])
-        size = np.hypot(shear[:, 0], shear[:, 1])
-        # a contact that slides already may exceed the limit a little, by the interpolation
-        most = np.maximum(limit, before)
-        shear *= np.divide(most, size, out=np.ones_like(size), where=size > most)[:, None]
-        return self._force_at(shear - unit[:, :2], centre)
-
-    def _force_at(self, shear: Array, centre: Array) -> Array:
-        """Return wrenches (n, 6) of tangential forces (n, 2) at points (n, 2) in metres, at the height of the tip."""
-        return wrench_at_height(shear, centre, self.touch.tips[:, 2])
 
     def difference(self, variant: GelVariant) -> Array:
         """Return the wrench (n, 6), in N and N m, with a variant of the gel, less that with the nominal gel.

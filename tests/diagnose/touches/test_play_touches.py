@@ -70,6 +70,21 @@ def test_it_answers_as_the_engine(played, deeper, friction):
         assert answer.depth[4] == pytest.approx(0.5e-3 + deeper + plays.height[4], abs=1e-9)
 
 
+@pytest.mark.parametrize(("friction", "most"), [(0.08, 0.06), (0.25, 0.05), (0.5, 0.04), (1.3, 0.06)])
+def test_shear_at_a_friction_that_was_not_played_is_the_engines(played, friction, most):
+    """Below, between and beyond the played frictions shear is that of the engine within some per cent of the load."""
+    for measured_touch, plays in zip(*played, strict=True):
+        touch = Touch(
+            measured_touch.seconds, measured_touch.touch.poses, measured_touch.touch.indenter, MATERIAL, DIGIT.gel
+        )
+        factor = np.full(FRAMES, friction / MATERIAL.friction)
+        answer = PlayedFamily([touch], [plays])(MATERIAL)(touch).respond(
+            np.zeros(FRAMES), np.zeros((FRAMES, 2)), factor
+        )
+        expected = engine_wrench(measured_touch, 0.0, friction)
+        assert np.abs(answer.wrench - expected)[:, :2].max() < most * expected[:, 2].max()
+
+
 def test_a_frame_without_a_pose_is_not_known(played, tmp_path, monkeypatch):
     """A frame without a pose is NaN in every play, and frames beside it are not."""
     monkeypatch.setenv("TACTILEDATA_CACHE", str(tmp_path))
@@ -169,14 +184,16 @@ def test_what_is_asked_for_and_what_the_linear_engine_does_not_know_is_played_in
         assert 0.0 < off < 0.3 * change
 
 
-def test_a_part_is_the_same_frames(played):
-    """Plays cut to some frames answer in these frames as the whole plays do."""
+@pytest.mark.parametrize(("place", "most"), [(0, 1e-9), (1, 1e-9), (None, 5e-3)])
+def test_a_part_is_the_same_frames(played, place, most):
+    """Plays cut to some frames answer as the whole plays do at a played friction, and within 5 mN between two."""
     touches, (first, _) = played
     rows = np.array([True, False, True, True, True, False, True, True])
     touch = touches[0]
     whole = Touch(touch.seconds, touch.touch.poses, touch.touch.indenter, MATERIAL, DIGIT.gel)
     part = Touch(touch.seconds[rows], touch.touch.poses[rows], touch.touch.indenter, MATERIAL, DIGIT.gel)
-    nothing = np.zeros(FRAMES), np.zeros((FRAMES, 2)), np.ones(FRAMES)
-    expected = PlayedFamily([whole], [first])(MATERIAL)(whole).respond(*nothing).wrench[rows]
-    found = PlayedFamily([part], [first.part(rows)])(MATERIAL)(part).respond(*(one[rows] for one in nothing))
-    assert found.wrench == pytest.approx(expected, abs=1e-9)
+    friction = MATERIAL.friction if place is None else first.plan.frictions[place]
+    asked = np.zeros(FRAMES), np.zeros((FRAMES, 2)), np.full(FRAMES, friction / MATERIAL.friction)
+    expected = PlayedFamily([whole], [first])(MATERIAL)(whole).respond(*asked).wrench[rows]
+    found = PlayedFamily([part], [first.part(rows)])(MATERIAL)(part).respond(*(one[rows] for one in asked))
+    assert found.wrench == pytest.approx(expected, abs=most)

@@ -6,7 +6,7 @@ from few_examples import few
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tactiledata.diagnose.touches.friction_history import PARTS, Sliders, own_sliders
+from tactiledata.diagnose.touches.sliders import PARTS, Sliders, own_sliders
 
 FRAMES = 201
 SPRING, LIMIT = np.full(FRAMES, 4e3), np.full(FRAMES, 2.0)
@@ -65,7 +65,21 @@ def test_planted_ones_are_found(factor, spread):
     path = np.column_stack([0.6 * way, 0.8 * way])
     limit = np.interp(np.arange(FRAMES), [0, 200], [1.5, 2.5])
     pull = Sliders(factor, spread).pull(path, SPRING, limit)
-    found = own_sliders(path, pull, SPRING, limit)
+    found = own_sliders(path, pull[None], SPRING, limit[None])
     assert found == pytest.approx((factor, spread), abs=0.03)
-    assert own_sliders(path, 0.01 * pull, SPRING, limit) == Sliders()
-    assert own_sliders(path, np.zeros_like(path), np.zeros(FRAMES), np.zeros(FRAMES)) == Sliders()
+    assert own_sliders(path, 0.01 * pull[None], SPRING, limit[None]) == Sliders()
+    assert own_sliders(path, np.zeros_like(path)[None], np.zeros(FRAMES), np.zeros((1, FRAMES))) == Sliders()
+
+
+def test_all_frictions_count():
+    """Pulls at a friction at which nothing slides tell the stiffness, those at a low one the spread."""
+    way = np.linspace(0.0, 4e-4, FRAMES)
+    path = np.column_stack([way, np.zeros_like(way)])
+    planted = Sliders(1.2, 0.5)
+    limits = np.array([0.5 * LIMIT, 4.0 * LIMIT])
+    pulls = np.array([planted.pull(path, SPRING, limit) for limit in limits])
+    # the second one alone leaves the spread open, and the first one tells both
+    assert own_sliders(path, pulls, SPRING, limits) == pytest.approx(planted, abs=0.03)
+    stuck = own_sliders(path, pulls[1:], SPRING, limits[1:])
+    assert stuck.factor == pytest.approx(planted.factor, abs=0.01)
+    assert abs(stuck.spread - planted.spread) > 0.1
