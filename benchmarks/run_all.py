@@ -62,6 +62,7 @@ ACCURACY = (
     Part("linear_error"),
     Part("gel_mesh_error"),
     Part("solver_difference"),
+    Part("shear_between_plays"),
     Part("calibration_worlds"),
     Part("locating_worlds"),
     Part("naming_worlds"),

@@ -1,11 +1,11 @@
 """How far shear between plays is off what the gel engine plays itself: interpolated alone, and with springs beside it.
 
-    python benchmarks/shear_between_plays.py [--plan wedge-13] [--touches 36] [--coarse]
+    python benchmarks/shear_between_plays.py [--plan wedge-13] [--touches 36] [--quick]
 
 Touches are the first of a plan. Each is played once more by the gel engine, with another friction, at another depth, or
 along the way that an indenter takes on a yielding arm or stem; E is 0.9 MPa, nu and mu (0.6) are those of the middle
-play. Errors and changes are root mean squares of the shear over the frames and touches. With `--coarse` the pad is
-coarse and its strain small: a minute in all, and no gel.
+play. Errors and changes are root mean squares of the shear over the frames and touches. With `--quick` six touches
+are played on a coarse pad of small strain: a minute in all, and no gel.
 """
 
 from __future__ import annotations
@@ -92,12 +92,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--plan", default="wedge-13")
     parser.add_argument("--touches", type=int, default=36)
-    parser.add_argument("--coarse", action="store_true", help="a coarse pad of small strain")
+    parser.add_argument("--quick", action="store_true", help="six touches on a coarse pad of small strain")
     given = parser.parse_args()
     plan = named_plan(given.plan)
-    mesh = structured_pad("coarse", plan.geometry, COARSE) if given.coarse else plan.mesh
-    fidelity: Fidelity = "linear" if given.coarse else "finite-strain"
-    told = WorldMaker.of(plan, cache_folder() / "generators").touches[: given.touches]
+    mesh = structured_pad("coarse", plan.geometry, COARSE) if given.quick else plan.mesh
+    fidelity: Fidelity = "linear" if given.quick else "finite-strain"
+    told = WorldMaker.of(plan, cache_folder() / "generators").touches[: 6 if given.quick else given.touches]
     measured: list[MeasuredTouch] = to_play(told)
     all_plays = play_touches(mesh, fidelity, measured, plan.bounds)
     header(f"shear between plays: {len(told)} touches of {given.plan}", ("numpy", "scipy"))
