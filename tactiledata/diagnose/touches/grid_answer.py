@@ -22,9 +22,6 @@ from tactiledata.diagnose.touches.between_plays import (
 from tactiledata.diagnose.touches.played_columns import AREA, NORMAL
 from tactiledata.effects.touch.response import GelVariant
 
-Bend = tuple[Array, Array, Array]
-"""Level, slope and curvature of a parabola over the offset z: level + z (slope + z curvature)."""
-
 RECENT = 16
 """Largest number of interpolated results that a cache keeps."""
 
@@ -108,7 +105,7 @@ class TouchPlays:
         if key not in self._recent:
             if len(self._recent) >= RECENT:
                 del self._recent[next(iter(self._recent))]
-            self._recent[key] = _bent(self._of_pair(*pair), offset[:, None]) + self._shifted(shift)
+            self._recent[key] = self._of_pair(*pair).at(offset[:, None]) + self._shifted(shift)
         return self._recent[key]
 
     def over_friction(self, ratio: float, offset: Array, shift: Array) -> CubicsOverFriction:
@@ -123,7 +120,7 @@ class TouchPlays:
         shift : (n, 2) m
             Along x and y of the gel frame.
         """
-        over = _bent(self._of_ratio(float(ratio)), offset[:, None])
+        over = self._of_ratio(float(ratio)).at(offset[:, None])
         over[3] += self._shifted(shift)
         return CubicsOverFriction(np.asarray(self.plan.frictions), over)
 
@@ -131,8 +128,8 @@ class TouchPlays:
         """Return the change (n, 7) of the columns by a shift (n, 2) in metres."""
         return shift[:, :1] * self.by_shift[0] + shift[:, 1:] * self.by_shift[1]
 
-    def _of_one_ratio(self, ratio: float) -> Bend:
-        """Return coefficients (4, n_mu - 1, n, 7) of cubics over friction at one nu: level, slope and curvature."""
+    def _of_one_ratio(self, ratio: float) -> Parabola:
+        """Return coefficients (4, n_mu - 1, n, 7) of cubics over friction at one nu."""
         weights = polynomial_weights(np.asarray(self.plan.ratios), ratio)
         level = np.tensordot(self._cubics[..., :-2, :], weights, axes=([3], [0]))
         bends = [self._cubics[..., place, :].copy() for place in (-2, -1)]
@@ -140,13 +137,14 @@ class TouchPlays:
         more = np.tensordot(weights, self.by_ratio, axes=1) - self.by_friction[self.plan.middle[1]]
         for bend, at_ratio in zip(bends, more, strict=True):
             bend[3] += at_ratio
-        return level, bends[0], bends[1]
+        return Parabola(level, bends[0], bends[1])
 
-    def _of_one_pair(self, ratio: float, friction: float) -> Bend:
-        """Return the level, slope and curvature (n, 7) over the offset at one nu and mu."""
+    def _of_one_pair(self, ratio: float, friction: float) -> Parabola:
+        """Return the columns (n, 7) at one nu and mu."""
         nodes, frictions = np.asarray(self.plan.frictions), np.full(len(self.height), friction)
-        level, slope, curvature = (CubicsOverFriction(nodes, part).at(frictions) for part in self._of_ratio(ratio))
-        return level, slope, curvature
+        over = self._of_ratio(ratio)
+        parts = (over.level, over.slope, over.curvature)
+        return Parabola(*(CubicsOverFriction(nodes, part).at(frictions) for part in parts))
 
     def shear_between(self, path: Array, thickness: float) -> ShearBetweenPlays:
         """Return what tells shear between plays, from those at the middle nu; cached.
@@ -180,12 +178,12 @@ class TouchPlays:
         return {}
 
     @cached_property
-    def _of_ratio(self) -> Callable[[float], Bend]:
+    def _of_ratio(self) -> Callable[[float], Parabola]:
         """`_of_one_ratio` with a cache."""
         return lru_cache(RECENT)(self._of_one_ratio)
 
     @cached_property
-    def _of_pair(self) -> Callable[[float, float], Bend]:
+    def _of_pair(self) -> Callable[[float, float], Parabola]:
         """`_of_one_pair` with a cache."""
         return lru_cache(RECENT)(self._of_one_pair)
 
@@ -195,10 +193,3 @@ class TouchPlays:
         values = np.concatenate([self.level.transpose(1, 2, 0, 3), self.by_friction.transpose(0, 2, 1, 3)], axis=2)
         coefficients: Array = PchipInterpolator(self.plan.frictions, values).c
         return coefficients
-
-
-def _bent(bend: Bend, z: Array) -> Array:
-    """Return the value at offsets z of a parabola with a level, a slope and a curvature."""
-    level, slope, curvature = bend
-    bent: Array = level + z * (slope + z * curvature)
-    return bent

@@ -22,6 +22,7 @@ from tactiledata.calibrate.plays.player import play_plan_beside
 from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.compute.base import Scheduler
 from tactiledata.contract.progress import Progress, following, no_progress
+from tactiledata.diagnose.touches.between_plays import Parabola
 from tactiledata.diagnose.touches.grid_answer import TouchPlays
 from tactiledata.diagnose.touches.missing_frames import complete, solved
 from tactiledata.diagnose.touches.variant_plays import VariantBatch, has_own_law, is_solvable
@@ -212,9 +213,9 @@ def _touch_plays(
         return rows
 
     def bend(ratio: float, friction: float) -> list[Array]:
-        # slope and curvature of the parabola through three offsets
         less, none, more = (columns(plays[Node(ratio, friction, z)]) for z in (-plan.offset, 0.0, plan.offset))
-        return [(more - less) / (2 * plan.offset), (more + less - 2 * none) / (2 * plan.offset**2)]
+        bent = Parabola.through(less, none, more, plan.offset)
+        return [bent.slope, bent.curvature]
 
     nu_middle, mu_middle = plan.middle
     middle = columns(plays[Node(plan.ratios[nu_middle], plan.frictions[mu_middle], 0.0)])
