@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from scipy.interpolate import PchipInterpolator
 
 from tactiledata.arrays import Array
@@ -81,10 +82,28 @@ class PressedContact:
 
     def at(self, offset: Array) -> tuple[Array, Array]:
         """Return stiffness (n,), m, over Young's modulus, and load (n,) at offsets (n,), m; 0 without contact."""
-        load = self.load.at(offset)
-        touching = load > LEAST_FORCE
-        area = np.where(touching, np.maximum(self.area.at(offset), 0.0), 0.0)
-        return shear_stiffness(area, self.ratio, self.thickness), np.where(touching, load, 0.0)
+        load, area = self.load, self.area
+        pressed: tuple[Array, Array] = _pressed_at(
+            offset, load.level, load.slope, load.curvature, area.level, area.slope, area.curvature, self.ratio,
+            self.thickness,
+        )  # fmt: skip
+        return pressed
+
+
+@njit(cache=True)
+def _pressed_at(
+    offset: Array, level: Array, slope: Array, curvature: Array, of_area: Array, rises: Array, curves: Array,
+    ratio: float, thickness: float,
+) -> tuple[Array, Array]:  # fmt: skip
+    """Return stiffness (n,) and load (n,) of `PressedContact` from the coefficients of its two parabolas (n,)."""
+    areas, loads = np.zeros(len(offset)), np.zeros(len(offset))
+    for frame in range(len(offset)):
+        z = offset[frame]
+        load = level[frame] + z * (slope[frame] + z * curvature[frame])
+        if load > LEAST_FORCE:
+            areas[frame] = max(of_area[frame] + z * (rises[frame] + z * curves[frame]), 0.0)
+            loads[frame] = load
+    return shear_stiffness(areas, ratio, thickness), loads
 
 
 @dataclass(frozen=True)
@@ -163,12 +182,39 @@ class ShearBetweenPlays:
             is 0 without contact.
         """
         stiffness, usual = self.contact.at(offset)
-        usual = np.where(load > 0, usual, 0.0)
-        springs = -self.sliders.pull(self.path + shift, stiffness, frictions * usual)
-        told = self.played.at(frictions)
-        played = Parabola(told[:, :2], told[:, 2:4], told[:, 4:]).at(offset[:, None])
-        share = np.minimum(frictions / self.played.nodes[0], 1.0)[:, None]
-        missed = springs - played + (share - 1.0) * (shear - played)
-        scale = np.divide(load, usual, out=np.zeros_like(load), where=usual > 0)[:, None]
-        found: Array = np.where(scale > 0, scale * missed, 0.0)
-        return found
+        usual[load <= 0.0] = 0.0
+        pull = self.sliders.pull(self.path + shift, stiffness, frictions * usual)
+        share = frictions / self.played.nodes[0]
+        missed: Array = _missed(pull, self.played.at(frictions), offset, share, shear, load, usual)
+        return missed
+
+
+@njit(cache=True)
+def _missed(pull: Array, told: Array, offset: Array, share: Array, shear: Array, load: Array, usual: Array) -> Array:
+    """Return the shear (n, 2) that interpolation misses, see `ShearBetweenPlays.missed`.
+
+    Parameters
+    ----------
+    pull : (n, 2)
+        Pull of the springs on the gel.
+    told : (n, 6)
+        What interpolation makes of the springs' shear on the indenter: level, slope and curvature over the offset.
+    offset : (n,) m
+        Offset of each frame.
+    share : (n,)
+        Friction over the lowest that was played.
+    shear : (n, 2)
+        Shear that is interpolated.
+    load, usual : (n,)
+        Normal force, and that of the middle nu and mu; 0 without contact.
+    """
+    missed = np.zeros((len(load), 2))
+    for frame in range(len(load)):
+        if not usual[frame] > 0.0:
+            continue
+        z, below = offset[frame], min(share[frame], 1.0) - 1.0
+        for axis in range(2):
+            played = told[frame, axis] + z * (told[frame, 2 + axis] + z * told[frame, 4 + axis])
+            more = below * (shear[frame, axis] - played)
+            missed[frame, axis] = load[frame] / usual[frame] * (more - pull[frame, axis] - played)
+    return missed

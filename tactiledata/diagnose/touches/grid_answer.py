@@ -159,9 +159,8 @@ class TouchPlays:
         if not self._between:
             nu_middle, mu_middle = self.plan.middle
             middle = self.level[nu_middle, mu_middle]
-            load, area = (
-                Parabola(middle[:, place], *self.by_friction[mu_middle][:, :, place]) for place in (NORMAL, AREA)
-            )
+            three = np.stack([middle, *self.by_friction[mu_middle]])
+            load, area = (Parabola(*np.ascontiguousarray(three[..., place])) for place in (NORMAL, AREA))
             contact = PressedContact(load, area, self.plan.ratios[nu_middle], thickness)
             nodes, shear = np.asarray(self.plan.frictions), self.level[nu_middle, :, :, :2]
             self._between.append(ShearBetweenPlays.of(nodes, self.plan.offset, path, contact, shear))

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 
 from tactiledata.arrays import Array
 
 
+@njit(cache=True)
 def shear_stiffness(area: Array, poisson_ratio: float, thickness: float) -> Array:
     """Tangential stiffness (n,), over Young's modulus, m, of round contacts on a bonded layer.
 
