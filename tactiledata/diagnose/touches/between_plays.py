@@ -52,7 +52,15 @@ class Parabola:
 
     @classmethod
     def through(cls, less: Array, none: Array, more: Array, step: float) -> Parabola:
-        """Return the parabola through values at the offsets -step, 0 and step, m."""
+        """Return the parabola through values at three offsets.
+
+        Parameters
+        ----------
+        less, none, more : (n, ...)
+            Values at the offsets -step, 0 and step.
+        step : m
+            Distance of the offsets.
+        """
         return cls(none, (more - less) / (2 * step), (more + less - 2 * none) / (2 * step**2))
 
     def at(self, z: Array) -> Array:
