@@ -143,8 +143,8 @@ def _profiled(end: _End) -> float:
     """How far an entry of the vector can move before the cost has risen by ``RISE``, all other numbers fitted anew.
 
     Each round scales the reach as if the cost were a parabola with its minimum at the fit. Where gel and springs find
-    no balance, the next round tries ``SHORTER`` of the reach, and nothing beyond it; a reach that the last round leaves
-    is the shorter one.
+    no balance, the next round tries ``SHORTER`` of the reach, and nothing beyond it. Where the last round finds none
+    either, the shorter reach is returned.
     """
     request, entry, room, reach = end.request, end.entry, end.room, end.by_curvature
     fit = request.fit

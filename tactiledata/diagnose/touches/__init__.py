@@ -11,8 +11,8 @@ Read in this order:
 4. `missing_frames`: frames that a play has not solved, estimated from the others. `grid_answer`: interpolation between
    plays. `played_columns`: its compiled inner loops.
 5. `sliders`: springs that slip part by part along a path. `between_plays`: what these tell of shear where friction,
-   depth or path are not those of a play, or change from frame to frame. `played_response`: all
-   of this together, as the base simulation on which effects act.
+   depth or path are not those of a play, or change from frame to frame. `played_response`: all of this together, as the
+   base simulation on which effects act.
 6. `own_errors`: errors that one trajectory has by itself. `simulation_errors`: the directions in which the simulation
    may err. `error_wrenches`: these as wrenches at the frames. `whitened`: the trajectories in units of the noise, with
    both kinds of errors.

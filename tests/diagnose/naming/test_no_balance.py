@@ -109,7 +109,7 @@ def test_an_interval_ends_where_there_is_no_balance(bent, monkeypatch):
 
 @pytest.mark.slow
 def test_an_interval_without_any_balance_ends_short_of_all_that_was_tried(bent, monkeypatch):
-    """Where no round finds a balance, an end lies at 0.343 of the width by the curvature: 0.7 of the third try."""
+    """If all three tries of an end fail, it lies at 0.7 of the third try, 0.343 of the width by the curvature."""
     naming = name_effects(bent, START, NamingOptions(effects=("relaxation",), profile=False, pairs=False))
     request = IntervalRequest(naming.whitened, naming.base, 1.0)
 

@@ -90,7 +90,7 @@ def test_a_depth_that_changes_is_told():
 @few(20)
 @given(st.integers(0, 10_000))
 def test_plays_stand(seed):
-    """At the friction of a play its shear is given back, even where no springs could pull like that."""
+    """The springs add no shear at a friction and offset that were played, even if no springs can fit that play."""
     touch = Touch()
     noise = np.random.default_rng(seed).normal(0, 2e-7, (3, FRAMES, 2))
     shear = np.array([touch.true(np.full(FRAMES, friction)) for friction in NODES]) + noise
@@ -189,7 +189,7 @@ def test_columns_are_given_back():
 
 
 def test_a_spring_in_series_shares_the_way():
-    """Where nothing slides, yielding by c F leaves k / (1 + c k) of the stiffness."""
+    """A sticking contact of stiffness k N/m on a stem of c m/N pulls as one spring of stiffness k / (1 + c k)."""
     path = np.column_stack([np.linspace(0.0, 1e-4, FRAMES), np.zeros(FRAMES)])
     touch = Touch(Sliders(), path, pressed(np.full(FRAMES, 1e-3)))
     stiffness = touch.contact.at(STILL)[0][0]
