@@ -1,0 +1,55 @@
+"""Targets over several sealed proofs."""
+
+import json
+from dataclasses import replace
+
+import proof_pooled
+import pytest
+from sealed_proofs import REQUEST, answered_proof
+
+from tactiledata.contract.atomic import write_json_atomic
+from tactiledata.prove.seal.folder import FORMAT
+
+
+@pytest.fixture
+def printed(tmp_path, monkeypatch, capsys):
+    """Two proofs of six nulls and six effects with one miss each; the command of the second chose the effects."""
+    paths = [tmp_path / "first", tmp_path / "chosen"]
+    for path in paths:
+        answered_proof(path)
+    request = replace(REQUEST, only=("lag",)).document
+    write_json_atomic(paths[1] / "proof.json", {"format": FORMAT, "request": request})
+    monkeypatch.setattr("sys.argv", ["proof_pooled.py", *map(str, paths)])
+    proof_pooled.main()
+    return [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
+
+
+def test_cases_of_all_proofs_are_counted_together(printed):
+    """Nulls are those of both, effects those of the proof whose command chose none; a kind without a case is left out."""
+    (nulls,) = [line for line in printed if line.startswith("false alarms")]
+    (visible,) = [line for line in printed if line.startswith("visible")]
+    assert "0 of 12 0 to 24 %" in nulls
+    # Wilson's interval of five of six
+    assert "5 of 6 44 to 97 %" in visible
+    assert not any(line.startswith("both of a pair") for line in printed)
+
+
+def test_every_proof_is_told_with_its_root(printed, tmp_path):
+    """A reader has to be able to look for the root that was published."""
+    for name, taken in (("first", "12 of 12"), ("chosen", "6 of 12")):
+        root = json.loads((tmp_path / name / "seal.json").read_text())["root"][:8]
+        (row,) = [line for line in printed if line.startswith(f"{name} ")]
+        assert row.endswith(f"{root} {taken}")
+
+
+def test_effects_are_counted_by_their_signal(printed):
+    """All six have a signal of 20."""
+    assert "20 to 40 5 of 6 5 of 6" in printed
+
+
+def test_a_range_without_an_end_is_told_in_words():
+    """The last range of signals has no end; an interval that is not known is a dash."""
+    share = {"right": 2, "count": 3}
+    score = {"strength": [{"signal": [80.0, None], "named": share, "named_or_in_set": share}]}
+    assert proof_pooled.strength_rows(score) == [("80 and more", "2 of 3", "2 of 3")]
+    assert proof_pooled.per_cent(None) == "-"
