@@ -102,6 +102,12 @@ def ended(block, folder, said, server):
     return code, (said / "out").read_text(), (said / "err").read_text()
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_no_block_is_empty(page):
+    """A block without a line is a table or a program that was lost while the page was written."""
+    assert all(block["code"].strip() for block in blocks(page))
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "page",

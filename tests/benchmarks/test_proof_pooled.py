@@ -25,7 +25,7 @@ def printed(tmp_path, monkeypatch, capsys):
 
 
 def test_cases_of_all_proofs_are_counted_together(printed):
-    """Nulls are those of both, effects those of the proof whose command chose none; a kind without a case is left out."""
+    """Nulls are those of both, effects those of the proof whose command chose none; what has no case has no row."""
     (nulls,) = [line for line in printed if line.startswith("false alarms")]
     (visible,) = [line for line in printed if line.startswith("visible")]
     assert "0 of 12 0 to 24 %" in nulls
