@@ -15,7 +15,7 @@ import numpy as np
 from tactiledata.arrays import Array
 from tactiledata.diagnose.residuals.residuals import joined_names
 from tactiledata.diagnose.residuals.wording import percent, quantity
-from tactiledata.diagnose.zeros.coarse_steps import step_of
+from tactiledata.diagnose.zeros.coarse_steps import DIGITS, step_of
 
 AXES = ("fx", "fy", "fz", "tx", "ty", "tz")
 """Components of a wrench."""
@@ -32,6 +32,9 @@ FEW = 0.01
 """Share of the density beyond a gap below which the readings in it are strays, not a border."""
 FEWEST_AXES = 2
 """Fewest components of one kind that must show a dead-band; one alone may be broken otherwise."""
+MISSING = 1.5
+"""Least border of a gap over the distance between numbers beyond it. Numbers of a sensor with steps are one step apart
+at 0 as elsewhere: at two steps one is missing on either side."""
 WIDTHS = 60
 """Widths that are tried, at even distances of their logarithm."""
 
@@ -106,7 +109,7 @@ def _band_of(column: Array) -> float | None:
 
     A gap of half width b is emptier than the numbers from b to 2 b on either side, and zeros stand in for what is
     missing in it. Of the widths for which that is so, the one with the emptiest gap is taken. The half width that is
-    returned is the size of the smallest readings, strays left out.
+    returned is the size of the smallest readings, strays left out. It has to be wider than numbers beyond it are apart.
     """
     count = int((column == 0).sum())
     # a load that rests is one reading, however long it rests: it would be a lump in place of a density
@@ -130,7 +133,10 @@ def _band_of(column: Array) -> float | None:
         return None
     best = int(np.argmin(np.where(is_gap, shares, np.inf)))
     is_border = np.arange(1, len(smallest) + 1) > FEW * 2.0 * density[best] * smallest
-    return float(smallest[np.argmax(is_border)])
+    border = float(smallest[np.argmax(is_border)])
+    numbers = np.unique(np.round(smallest[(smallest >= border) & (smallest <= 3.0 * border)], DIGITS))
+    is_missing = len(numbers) > 1 and border >= MISSING * np.median(np.diff(numbers))
+    return border if is_missing else None
 
 
 def _between(sides: tuple[Array, Array], low: Array, high: Array) -> Array:

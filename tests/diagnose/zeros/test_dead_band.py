@@ -87,6 +87,23 @@ def test_steps_alone_are_no_band(step, noise):
     assert find_dead_band([read_through(presses(noise=noise), step=step)]) is None
 
 
+def test_loads_that_occur_equally_often_are_no_band():
+    """One step about 0 holds half as many readings as the two beyond it, and a logged load is often repeated."""
+    step = 2.0**-7
+    for seed in range(12):
+        rng = np.random.default_rng(seed)
+        readings = step * rng.integers(-30, 31, (12_000, 6))
+        assert find_dead_band([np.repeat(readings, rng.integers(1, 4, 12_000), axis=0)]) is None, seed
+
+
+def test_large_loads_that_are_shrunk_make_no_band():
+    """A sensor that saturates logs large loads closer together: small ones look far apart then, and are not."""
+    step = 2.0**-7
+    readings = step * np.random.default_rng(0).integers(-30, 31, (12_000, 6))
+    shrunk = np.sign(readings) * (10 * step + 0.37 * (np.abs(readings) - 10 * step))
+    assert find_dead_band([np.where(np.abs(readings) > 10 * step, shrunk, readings)]) is None
+
+
 def test_readings_without_noise_are_no_band():
     """Free air of a simulated log is exactly 0; the forces of presses begin beside it all the same."""
     assert find_dead_band([presses(noise=0.0, count=40)]) is None
