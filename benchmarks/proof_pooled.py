@@ -21,6 +21,7 @@ from tactiledata.prove.cases.kinds import NULLS
 from tactiledata.prove.request import ProofRequest
 from tactiledata.prove.score.score import met_words, score_of
 from tactiledata.prove.score.scored_case import ScoredCase
+from tactiledata.prove.score.shares import interval_words
 from tactiledata.prove.seal.folder import ProofFolder, read_json
 from tactiledata.prove.seal.verify import scored_cases
 
@@ -30,17 +31,12 @@ def pooled(cases: Sequence[ScoredCase], chosen: Sequence[str]) -> list[ScoredCas
     return [case for case in cases if not chosen or case.kind == NULLS]
 
 
-def per_cent(interval: Sequence[float] | None) -> str:
-    """An interval of a share in percent; a dash for none."""
-    return "-" if interval is None else f"{100 * max(0.0, interval[0]):.0f} to {100 * interval[1]:.0f} %"
-
-
 def target_rows(score: Mapping[str, Any]) -> list[tuple[str, ...]]:
     """A row for each target with a case: what, aim, share, both intervals, and whether it is met."""
     return [
         (
-            one["what"], one["target"], f"{one['right']} of {one['count']}", per_cent(one["interval"]),
-            per_cent(one["over_configurations"]), met_words(one),
+            one["what"], one["target"], f"{one['right']} of {one['count']}", interval_words(one["interval"]),
+            interval_words(one["over_configurations"]) or "-", met_words(one),
         )
         for one in score["targets"]
         if one["count"]

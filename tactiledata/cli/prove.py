@@ -259,25 +259,21 @@ def _verify(folder: ProofFolder, root: str | None, other: ProofFolder | None, as
 
 def print_comparison(compared: AnswerComparison) -> None:
     """Print how far two sets of answers agree, as a table and a sentence for each difference."""
+    from tactiledata.prove.score.shares import interval_words
     from tactiledata.prove.seal.compare import COMPARED
 
     rows = []
     for field, one in compared.document["agreed"].items():
-        rows.append([COMPARED[field], f"{one['count']} of {compared.cases}", _in_percent(one["interval"])])
+        rows.append([COMPARED[field], f"{one['count']} of {compared.cases}", interval_words(one["interval"])])
     table("Answers of two machines", ["what", "the same in", "95 % interval"], rows)
     for sentence in compared.differences:
         say(f"differs: {sentence}")
 
 
-def _in_percent(interval: Sequence[float]) -> str:
-    """Return the interval of a share in percent."""
-    low, high = interval
-    return f"{100 * max(0.0, low):.0f} to {100 * high:.0f} %"
-
-
 def print_score(score: Any) -> None:
     """Print the score of a proof as tables."""
     from tactiledata.prove.score.score import met_words
+    from tactiledata.prove.score.shares import interval_words
 
     kinds = sorted({name for row in score["by_configuration"].values() for name in row})
     rows = [[where, *(row.get(name, 0) for name in kinds)] for where, row in score["by_configuration"].items()]
@@ -285,7 +281,7 @@ def print_score(score: Any) -> None:
     rows = [
         [
             one["what"], one["target"], f"{one['right']} of {one['count']}",
-            _in_percent(one["interval"]),
+            interval_words(one["interval"]),
             met_words(one),
         ]
         for one in score["targets"]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -11,6 +11,7 @@ from tactiledata.contract.atomic import write_atomic
 from tactiledata.contract.simulated import SimulatedCount
 from tactiledata.contract.wording import counted
 from tactiledata.prove.score.score import met_words
+from tactiledata.prove.score.shares import interval_words
 from tactiledata.prove.seal.folder import ProofFolder, read_json
 from tactiledata.report.page import Section, render_page
 
@@ -87,14 +88,9 @@ def _target_row(one: Mapping[str, Any]) -> list[object]:
     if not one["count"]:
         return [one["what"], one["target"], "", "", "", "no case"]
     return [
-        one["what"], one["target"], f"{one['right']} of {one['count']}", _per_cent(one["interval"]),
-        _per_cent(one["over_configurations"]), met_words(one),
+        one["what"], one["target"], f"{one['right']} of {one['count']}", interval_words(one["interval"]),
+        interval_words(one["over_configurations"]), met_words(one),
     ]  # fmt: skip
-
-
-def _per_cent(ends: Sequence[float] | None) -> str:
-    """Return an interval of shares in words."""
-    return "" if ends is None else f"{100 * max(0.0, ends[0]):.0f} to {100 * ends[1]:.0f} %"
 
 
 def _columns(first: str, table: Mapping[str, Mapping[str, int]]) -> list[str]:
@@ -112,7 +108,7 @@ def _strength_row(one: Mapping[str, Any]) -> list[object]:
     """Return a row of strength and accuracy."""
     low, high = one["signal"]
     shares = [one[key] for key in ("named", "named_or_in_set", "detected")]
-    cells = [f"{each['right']} of {each['count']} ({_per_cent(each['interval'])})" for each in shares]
+    cells = [f"{each['right']} of {each['count']} ({interval_words(each['interval'])})" for each in shares]
     return [f"{low:g} and more" if high is None else f"{low:g} to {high:g}", *cells]
 
 

@@ -48,8 +48,14 @@ def test_effects_are_counted_by_their_signal(printed):
 
 
 def test_a_range_without_an_end_is_told_in_words():
-    """The last range of signals has no end; an interval that is not known is a dash."""
+    """The last range of signals has no end."""
     share = {"right": 2, "count": 3}
     score = {"strength": [{"signal": [80.0, None], "named": share, "named_or_in_set": share}]}
     assert proof_pooled.strength_rows(score) == [("80 and more", "2 of 3", "2 of 3")]
-    assert proof_pooled.per_cent(None) == "-"
+
+
+def test_an_interval_that_is_not_known_is_a_dash():
+    """A bootstrap over fewer than three configurations gives none."""
+    target = {"what": "a", "target": "b", "right": 1, "count": 2, "is_met": True, "is_certain": True}
+    (row,) = proof_pooled.target_rows({"targets": [{**target, "interval": [0.1, 0.9], "over_configurations": None}]})
+    assert row[3:5] == ("10 to 90 %", "-")

@@ -61,8 +61,13 @@ class Share:
         """The share in words."""
         if not self.count:
             return "no case"
-        ends = f"{100 * max(0.0, self.low):.0f} to {100 * self.high:.0f} %"
+        ends = interval_words((self.low, self.high))
         return f"{self.right} of {self.count} ({100 * self.right / self.count:.0f} %, {ends})"
+
+
+def interval_words(ends: Sequence[float] | None) -> str:
+    """Return the interval of a share in percent; an empty text where there is none."""
+    return "" if ends is None else f"{100 * max(0.0, ends[0]):.0f} to {100 * ends[1]:.0f} %"
 
 
 def share_of(cases: Sequence[ScoredCase], counts: Callable[[ScoredCase], bool], seed: int = 0) -> Share:
