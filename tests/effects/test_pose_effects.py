@@ -51,6 +51,24 @@ def test_wrist_and_stem_are_springs_in_series(touch, play, moved):
         np.testing.assert_allclose(soft[:, 2], rigid[:, 2], rtol=1e-12)
 
 
+def test_a_stem_on_a_wedge_bends_across_its_own_axis(touch):
+    """A stem that leans by 0.1 rad yields across itself: pressed straight, its tip moves aside, and less deep."""
+    lean, compliance = 0.1, 2e-4
+    turned = touch.poses.copy()
+    turned[:, :3, :3] = np.array([[np.cos(lean), 0, np.sin(lean)], [0, 1, 0], [-np.sin(lean), 0, np.cos(lean)]])
+    state = with_effects(BallOnLayer, [EffectSetting("stem_bending", {"compliance": compliance})]).play(
+        dataclasses.replace(touch, poses=turned)
+    )
+    moved = np.column_stack([state.shift, -state.offset])
+    along, across = turned[:, :3, 2], np.cross(turned[:, :3, 2], [0.0, 1.0, 0.0])
+    np.testing.assert_allclose((moved * along).sum(axis=1), 0.0, atol=1e-15)
+    for way in (across, np.broadcast_to([0.0, 1.0, 0.0], across.shape)):
+        pull = (state.felt[:, :3] * way).sum(axis=1)
+        np.testing.assert_allclose((moved * way).sum(axis=1), compliance * pull, rtol=1e-12, atol=1e-18)
+    deepest = int(np.argmax(state.felt[:, 2]))
+    assert state.offset[deepest] < -1e-7
+
+
 def test_stems_bend_as_beams():
     """Stems of 4 mm and 10 mm of printed plastic, 30 mm long, bend by 3 E I / L^3."""
     assert stem_stiffness(0.004, 0.03) == pytest.approx(3 * 2.5e9 * math.pi * 0.002**4 / 4 / 0.03**3)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+import numpy as np
+
 from tactiledata.effects.base import Effect
 from tactiledata.effects.parameter import strength
 from tactiledata.effects.touch.state import TouchState
@@ -31,8 +33,10 @@ def stem_stiffness(diameter: float, length: float, modulus: float = 2.5e9) -> fl
 
 
 class StemBending(Effect):
-    """A cantilever: the tip yields across by c F_t, c = L^3 / (3 E I); along its axis it is stiff.
+    """A cantilever: the tip yields by c (F - (F . a) a), c = L^3 / (3 E I), with a the axis of the stem.
 
+    Along its axis the stem is stiff. The axis is z of the indenter's frame: on a wedge, where it is not normal to the
+    gel, the tip moves in depth, too, and the normal force bends the stem. The tip keeps its tilt.
     Each indenter has a stem of its own: restrict a setting to one indenter by ``where``.
 
     Source: Euler-Bernoulli beam.
@@ -57,4 +61,6 @@ class StemBending(Effect):
     feeds_back = True
 
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
-        return state.moved(along=values["compliance"] * state.felt[:, :2])
+        force, axis = state.felt[:, :3], np.nan_to_num(state.touch.poses[:, :3, 2])
+        yielded = values["compliance"] * (force - (force * axis).sum(axis=1, keepdims=True) * axis)
+        return state.moved(-yielded[:, 2], yielded[:, :2])
