@@ -22,6 +22,7 @@ DIMENSIONS: dict[str, tuple[int, int, int]] = {
     "m/N": (1, -1, 0),
     "1/N": (0, -1, 0),
     "N/rad": (0, 1, 0),
+    "N m/rad": (1, 1, 0),
     "rad/(N m)": (-1, -1, 0),
     "Pa": (-2, 1, 0),
     "1/Pa": (2, -1, 0),

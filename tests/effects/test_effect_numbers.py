@@ -84,6 +84,7 @@ def test_a_refusal_says_what_can_be_believed():
 
 AXES = {
     **{("cable_drag", f"f{axis}"): f"force along {axis} of" for axis in "xyz"},
+    **{("cable_drag", f"t{axis}"): f"torque about {axis} of" for axis in "xyz"},
     **{("sensor_drift", f"f{axis}"): f"force along {axis}" for axis in "xyz"},
     **{("sensor_drift", f"t{axis}"): f"torque about {axis}" for axis in "xyz"},
     **{("tool_weight", f"moment_{axis}"): f"along {axis} of" for axis in "xyz"},

@@ -16,7 +16,7 @@ SQUARE = GelGeometry(outline=(0.010, 0.010), thickness=0.004, edge_thickness=0.0
 VECTORS = {
     "soft_region": [("x", "y")],
     "tool_weight": [("moment_x", "moment_y")],
-    "cable_drag": [("fx", "fy")],
+    "cable_drag": [("fx", "fy"), ("tx", "ty")],
     "frame_rotation": [("tilt_x", "tilt_y")],
     "sensor_drift": [("fx", "fy"), ("tx", "ty")],
 }

@@ -23,7 +23,9 @@ def with_play(angle: Array, play: float) -> Array:
 
 
 class CableDrag(Effect):
-    """A spring with play on the last joint: F -> F + k p(q6), p the angle of the joint after the play operator.
+    """A spring with play on the last joint: F -> F + k p(q6), M -> M + k_t p(q6), p the angle after the play operator.
+
+    A cable pulls somewhere at the tool, so that its torque about the gel's origin is a number of its own.
 
     Source: Krasnosel'skii's play operator, the simplest rate-independent hysteresis; sizes are an estimate.
     """
@@ -36,6 +38,13 @@ class CableDrag(Effect):
             strength(
                 f"f{axis}", "N/rad", f"force along {axis} of the gel frame per angle of the last joint",
                 bounds=(-2.0, 2.0), plausible=(-0.5, 0.5), deviation=0.15, source="0.05 to 0.5 N; estimate",
+            )
+            for axis in "xyz"
+        ),
+        *(
+            strength(
+                f"t{axis}", "N m/rad", f"torque about {axis} of the gel frame per angle of the last joint",
+                bounds=(-0.4, 0.4), plausible=(-0.1, 0.1), deviation=0.03, source="0.2 m times the force; estimate",
             )
             for axis in "xyz"
         ),
@@ -54,6 +63,5 @@ class CableDrag(Effect):
 
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
         angle = with_play(state.covariate("joints", self.name)[:, 5], values["play"])
-        wrench = state.wrench.copy()
-        wrench[:, :3] += angle[:, None] * [values["fx"], values["fy"], values["fz"]]
-        return state.with_reading(wrench)
+        pull = [values[kind + axis] for kind in "ft" for axis in "xyz"]
+        return state.with_reading(state.wrench + angle[:, None] * pull)

@@ -10,12 +10,15 @@ from tactiledata.arrays import Array
 from tactiledata.effects.base import Effect
 from tactiledata.effects.parameter import shape, strength
 from tactiledata.effects.touch.felt_acceleration import FREQUENCIES, felt_at
-from tactiledata.effects.touch.state import TouchState
+from tactiledata.effects.touch.state import TouchState, wrench_at
 from tactiledata.effects.touch.touch import Touch
 
 
 class Inertia(Effect):
     """A force of inertia, F -> F - m a, a the acceleration, gel frame, of a tool that vibrates at ``frequency``.
+
+    The force acts at the tool's centre of gravity, which lies between the gel's origin and that of the force sensor:
+    ``centre`` is its place as a share of that way. Where a touch does not state the sensor's frame, it is at the gel's.
 
     The tool starts late and rings when the tip stops (`felt_acceleration`, from the stream of poses). In a touch
     without such a stream, a is the acceleration of the tip, differentiated twice from the frames; they must then be
@@ -37,6 +40,10 @@ class Inertia(Effect):
             "frequency", "Hz", "of the arm's mode on which the tool swings",
             default=15.0, bounds=(FREQUENCIES[0], FREQUENCIES[-1]), grid=FREQUENCIES, source="10 to 25 Hz; estimate",
         ),
+        shape(
+            "centre", "1", "place of the centre of gravity: 0 at the gel, 1 at the force sensor",
+            default=0.5, bounds=(-0.5, 1.5), grid=(0.2, 0.8), source="holders of sensor and indenter; estimate",
+        ),
     )  # fmt: skip
     look_alikes = ("lag", "tool_weight")
     distinguishing_trial = "Start and stop in free air: peaks at the accelerations, none at constant speed."
@@ -44,9 +51,10 @@ class Inertia(Effect):
     reference = "Newton's second law"
 
     def change(self, state: TouchState, values: Mapping[str, float]) -> TouchState:
-        wrench = state.wrench.copy()
-        wrench[:, :3] -= values["mass"] * _acceleration(state.touch, values["frequency"])
-        return state.with_reading(wrench)
+        force = -values["mass"] * _acceleration(state.touch, values["frequency"])
+        pose = state.touch.gel_from_sensor
+        at = np.zeros_like(force) if pose is None else values["centre"] * pose[:, :3, 3]
+        return state.with_reading(state.wrench + wrench_at(force, at))
 
 
 def _acceleration(touch: Touch, frequency: float) -> Array:

@@ -143,6 +143,22 @@ def test_a_cable_pulls_by_joint_and_not_by_gravity(touch, play, moved):
     np.testing.assert_allclose(wrench[44, 0], 0.2 * 0.95)
     assert wrench[60, 0] - wrench[29, 0] == pytest.approx(0.2 * 0.1)
     assert (wrench[:, 1:] == 0).all()
+    twisted = play("cable_drag", on=path, tz=0.03, play=0.1).wrench
+    np.testing.assert_allclose(twisted[:, 5], 0.15 * wrench[:, 0])
+    assert (twisted[:, :5] == 0).all()
+
+
+@pytest.mark.parametrize("centre", [0.0, 0.25, 1.0])
+def test_inertia_acts_at_the_centre_of_gravity(touch, play, moved, centre):
+    """The sensor, 0.12 m from the gel, reads the force of inertia with the torque of what is left of that lever."""
+    seconds = np.arange(0.0, 1.0, 0.02)
+    poses = np.tile(np.eye(4), (50, 1, 1))
+    poses[:, 2, 3] = -0.12
+    path = moved(touch, seconds, np.full(50, -5e-3), x=0.5 * 0.2 * seconds**2)
+    path = dataclasses.replace(path, gel_from_sensor=poses)
+    load = path.to_sensor(play("inertia", on=path, mass=0.5, centre=centre).wrench)[2:-2]
+    np.testing.assert_allclose(load[:, 0], 0.5 * 0.2, rtol=1e-9)
+    np.testing.assert_allclose(load[:, 4], 0.12 * (1.0 - centre) * 0.5 * 0.2, rtol=1e-9, atol=1e-12)
 
 
 def test_inertia_is_mass_times_acceleration(touch, play, moved):
