@@ -31,7 +31,7 @@ PLACES = {
     "small": (-0.004, 0.005),
     "punch": (0.0055, 0.007),
 }
-"""Where each indenter touches: in the middle, aside, and near the border."""
+"""Place on the gel, x and y in metres, at which each indenter touches: near the middle, aside, near the border."""
 POWERED = (60.0, 300.0, 900.0, 2400.0)
 """Time, s, since power-on at the start of the log of each touch."""
 STARTS = 2
@@ -65,12 +65,12 @@ class RigResponse:
     positions: np.ndarray
 
     def of_gel(self, stiffer, rougher):
-        """The same on a gel whose E and mu are larger by these shares."""
+        """Return the response along the same path of a gel whose E and mu are larger by these shares, 0 for none."""
         law, by = self.law, 1.0 + stiffer
-        softer = replace(
+        other = replace(
             law, force=by * law.force, stiffness=by * law.stiffness, friction=law.friction * (1.0 + rougher)
         )
-        return RigResponse(softer, self.positions)
+        return RigResponse(other, self.positions)
 
     def respond(self, offset, shift, friction):
         """The contact with an indenter that is elsewhere, and with another friction in each frame."""
@@ -95,7 +95,7 @@ class KnownResponse:
     wrench: np.ndarray
 
     def of_gel(self, stiffer, rougher):
-        """The same: what a sensor changes does not depend on the gel."""
+        """Return the response itself: what a sensor changes does not depend on the gel."""
         return self
 
     def respond(self, offset, shift, friction):
@@ -140,7 +140,7 @@ class Compared:
         """Root mean square that the nearest setting of an effect leaves, as a share of the change."""
         parameters = [one for one in EFFECTS[name]().parameters if one.name not in OF_VARIANTS]
         free = [one for one in parameters if one.null is not None or len(one.grid) > 1]
-        scales = np.array([one.deviation or (one.bounds[1] - one.bounds[0]) / 20 for one in free] + [0.1, 0.1])
+        scales = np.array([*map(_scale, free), 0.1, 0.1])
         low, high = (
             np.array([*(one.bounds[end] for one in free), (-0.5, 0.5)[end], (-0.5, 0.5)[end]]) for end in (0, 1)
         )
@@ -168,6 +168,11 @@ class Compared:
         return float(np.sqrt(min(2 * one.cost for one in found)))
 
 
+def _scale(one):
+    """Unit, in that of the parameter, in which a fit counts it: its prior's deviation, or a twentieth of its bounds."""
+    return one.deviation or (one.bounds[1] - one.bounds[0]) / 20
+
+
 def _starts(free):
     """Values of each free parameter from which fits may start: shapes over their grids, strengths on both sides."""
     few = sum(one.null is not None for one in free) <= 3
@@ -175,7 +180,7 @@ def _starts(free):
         if one.null is None:
             yield one.grid[:: max(1, len(one.grid) // 4)]
         else:
-            step = 0.5 * (one.deviation or (one.bounds[1] - one.bounds[0]) / 20)
+            step = 0.5 * _scale(one)
             yield [-step, step] if few and one.bounds[0] < 0 else [step if few else 0.1 * step]
 
 

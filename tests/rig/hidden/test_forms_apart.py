@@ -1,4 +1,4 @@
-"""Which formulas of the rig the catalogue has as well: all others differ, by how much is told for each.
+"""Which formulas of the rig the catalogue has as well: all others that are compared differ.
 
 A diagnosis that names what the rig hides is no proof where both have the same formula. The catalogue's formula is
 fitted to what the rig's effect changes, on the rig's own contact, with E and mu free (`compared_forms`).
