@@ -22,7 +22,7 @@ from tactiledata.rig.layer.grid import LayerGrid
 from tactiledata.rig.layer.solver import Layer
 from tactiledata.rig.motion import motion
 from tactiledata.rig.motion.touch import TouchPlan
-from tactiledata.rig.scenario.scenario import Gel, Scenario
+from tactiledata.rig.scenario.scenario import Gel, Material, Scenario
 from tactiledata.transforms import Transform
 
 TRAVEL_SPEED = 0.15
@@ -180,7 +180,7 @@ class RigSetup:
             name: make_indenter(entry, scenario.folder, f"indenters.{name}")
             for name, entry in scenario.indenters.items()
         }
-        self._layers: dict[Gel, Layer] = {}
+        self._layers: dict[tuple[Gel, Material], Layer] = {}
         self.mounted = {name: _mounted(index, entry) for index, (name, entry) in enumerate(scenario.indenters.items())}
 
     def play(
@@ -270,12 +270,12 @@ class RigSetup:
     def _on_layer(
         self, gel: Gel, setup: TouchSetup, path: motion.Path | None, deviation: RealArray | None
     ) -> RigContact:
-        """Return a touch played by the layer solver; layers are kept by the gel's real thickness."""
+        """Return a touch played by the layer solver; layers are kept by the gel's real thickness and material."""
         real = replace(gel, thickness=setup.thickness)
-        if real not in self._layers:
+        if (real, setup.material) not in self._layers:
             grid = LayerGrid.of(gel.outline, self.scenario.contact_pitch)
-            self._layers[real] = Layer(grid, setup.thickness, self.scenario.material)
-        return touch_layer(setup, self._layers[real], path, deviation)
+            self._layers[real, setup.material] = Layer(grid, setup.thickness, setup.material)
+        return touch_layer(setup, self._layers[real, setup.material], path, deviation)
 
 
 def _number(name: str) -> int:

@@ -2,8 +2,7 @@
 
 `bank` gives the contact of a touch by interpolating between solutions.
 `solution` is one solution: its key and its file.
-`own_springs` fits springs and sliders to the pull of a solution along the gel.
 
-Of the rig, the room imports `contact`, `hidden` (sliders and the limit of friction), `layer`, `motion` and `scenario`.
-It draws no pictures: a banked contact has forces only.
+Of the rig, the room imports `contact`, `hidden` (springs, sliders and the limit of friction), `layer`, `motion` and
+`scenario`. It draws no pictures: a banked contact has forces only.
 """

@@ -20,13 +20,13 @@ from numpy.typing import NDArray
 from tactiledata.arrays import RealArray
 from tactiledata.errors import UsageError
 from tactiledata.indenters.base import Indenter
-from tactiledata.rig.bank.own_springs import OwnSprings, own_springs
 from tactiledata.rig.bank.solution import Solution, keep_solution, key_of, load_solution
 from tactiledata.rig.contact.by_layer import touch_layer
 from tactiledata.rig.contact.closed_form import contact_law
 from tactiledata.rig.contact.contact import DEEPEST, TouchSetup, contact_times
 from tactiledata.rig.contact.footprint import GelGrid, make_footprint
 from tactiledata.rig.hidden.coulomb_limit import beyond_coulomb
+from tactiledata.rig.hidden.own_springs import OwnSprings, Pulled, own_springs
 from tactiledata.rig.layer.grid import LayerGrid
 from tactiledata.rig.layer.solver import Layer
 from tactiledata.rig.motion.motion import Path
@@ -159,7 +159,8 @@ class ContactBank:
             positions = path.at(contact_times(path)) + np.array([0.0, 0.0, offset])
             law = contact_law(setup.indenter, setup.footprint, setup.thickness, material)
             stiffness = law.columns_at(positions[:, 2])[1]
-            self._springs[key] = own_springs(positions, wrench[:, 2], stiffness, material.friction, -wrench[:, :2])
+            pulled = Pulled(material.friction, wrench[:, 2], -wrench[:, :2])
+            self._springs[key] = own_springs(positions, stiffness, [pulled])
         return self._springs[key]
 
     def _solution(self, gel: Gel, setup: TouchSetup, path: Path, offset: float) -> Solution:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -11,12 +12,12 @@ from numpy.typing import NDArray
 
 from tactiledata.arrays import RealArray
 from tactiledata.rig.contact.analytic import touch_analytic
-from tactiledata.rig.contact.closed_form import contact_law, stick_slip
-from tactiledata.rig.contact.contact import CONTACT_RATE, PlayTouch, RigContact, TouchSetup, contact_times
+from tactiledata.rig.contact.closed_form import contact_law
+from tactiledata.rig.contact.contact import PlayTouch, RigContact, TouchSetup, contact_times
 from tactiledata.rig.hidden.base import EarlierTouch, HiddenEffect, RealTouch, TouchFacts
-from tactiledata.rig.hidden.coulomb_limit import beyond_coulomb
 from tactiledata.rig.hidden.history import elastic_work
-from tactiledata.rig.hidden.slider import areas_of, slide
+from tactiledata.rig.hidden.pull import Loaded, SlidingLaws, SolvedPull
+from tactiledata.rig.hidden.slider import areas_of
 from tactiledata.rig.motion.motion import Path
 
 ANALYTIC_ROUNDS, OTHER_ROUNDS = 8, 3
@@ -82,20 +83,33 @@ def touch_hidden(
     """
     for effect in effects:
         setup = effect.prepared(setup, facts)
-    plain = play(setup, None, None)
-    touch = _EffectsOnTouch(setup, facts, effects, plain.path)
-    contact = touch.balanced(plain, play)
+    touch = _EffectsOnTouch(setup, facts, effects, play)
+    contact = touch.balanced()
     real_touch = touch.real_touch(contact.inner)
     earlier = EarlierTouch(facts.touch.position, facts.seconds, float(elastic_work(real_touch).max()))
     return setup, contact, earlier
 
 
 class _EffectsOnTouch:
-    """The hidden effects on one touch along a planned path."""
+    """The hidden effects on one touch, along the path of the contact without them."""
 
-    def __init__(self, setup: TouchSetup, facts: TouchFacts, effects: Sequence[HiddenEffect], path: Path) -> None:
-        self._setup, self._facts, self._effects, self._path = setup, facts, effects, path
+    def __init__(self, setup: TouchSetup, facts: TouchFacts, effects: Sequence[HiddenEffect], play: PlayTouch) -> None:
+        self._setup, self._facts, self._effects, self._play = setup, facts, effects, play
+        self._plain = play(setup, None, None)
+        self._path = self._plain.path
         self._law = contact_law(setup.indenter, setup.footprint, setup.thickness, setup.material)
+
+    @cached_property
+    def _solved_pull(self) -> SolvedPull:
+        """The pull along the gel without effects, at several frictions, along the path as commanded."""
+        setup, positions = self._setup, self._path.at(contact_times(self._path))
+
+        def solve(friction: float) -> RealArray:
+            material = replace(setup.material, friction=friction)
+            return self._play(replace(setup, material=material, offset=np.zeros(3)), self._path, None).wrench
+
+        stiffness = self._law.columns_at(positions[:, 2])[1]
+        return SolvedPull(positions, stiffness, setup.material.friction, solve)
 
     def real_touch(self, contact: RigContact) -> RealTouch:
         """Return the touch at the real positions of a contact."""
@@ -104,22 +118,22 @@ class _EffectsOnTouch:
             positions = positions + contact.deviation
         return RealTouch(self._facts, self._setup, self._law, self._path, positions)
 
-    def balanced(self, plain: RigContact, play: PlayTouch) -> HiddenContact:
+    def balanced(self) -> HiddenContact:
         """Return the contact whose forces agree with the deflections by compliance that they cause."""
         # deviations that do not depend on forces, and compliances
         args = (self._path, self._setup, self._facts)
         shifts = [shift for effect in self._effects if (shift := effect.shift(*args)) is not None]
         compliances = [matrix for effect in self._effects if (matrix := effect.compliance(*args)) is not None]
         if not shifts and not compliances:
-            return self._changed(plain)
+            return self._changed(self._plain)
         fixed: RealArray = sum(shifts, np.zeros((len(contact_times(self._path)), 3)))
         if not compliances:
-            return self._changed(play(self._setup, self._path, fixed))
+            return self._changed(self._play(self._setup, self._path, fixed))
         # closed forms come near the balance in little time, the scenario's form of contact ends it
         compliance, deflection = np.sum(compliances, axis=0), np.zeros_like(fixed)
-        rounds = [_analytic] * ANALYTIC_ROUNDS + [play] * (OTHER_ROUNDS if play is not _analytic else 0)
-        for play_round in rounds:
-            contact = self._changed(play_round(self._setup, self._path, fixed + deflection))
+        rounds = [_analytic] * ANALYTIC_ROUNDS + [self._play] * (OTHER_ROUNDS if self._play is not _analytic else 0)
+        for play in rounds:
+            contact = self._changed(play(self._setup, self._path, fixed + deflection))
             missing = _as_deviation(contact.wrench[:, :3] @ compliance.T) - deflection
             deflection = deflection + self._damped(missing, compliance, contact)
         return HiddenContact(contact.inner, contact.wrench, contact.slipping, float(np.abs(missing).max()))
@@ -146,43 +160,25 @@ class _EffectsOnTouch:
                 stiff = stiff * np.divide(force, normal, out=np.ones_like(force), where=normal > 0)
             normal = force
             stiff = effect.tangential_stiffness(stiff, real_touch)
-        pull, slipping = self._pull(real_touch, pull_before, contact.slipping, (before, plain), (normal, stiff))
+        loads = Loaded(before, plain), Loaded(normal, stiff)
+        pull, slipping = self._pull(real_touch, pull_before, contact.slipping, *loads)
         if normal is before and pull is pull_before:
             return HiddenContact(contact, contact.wrench, contact.slipping, 0.0)
         return HiddenContact(contact, self._wrench(real_touch, contact.wrench, normal, pull), slipping, 0.0)
 
     def _pull(
-        self,
-        real_touch: RealTouch,
-        pull: RealArray,
-        slipping: NDArray[np.bool_],
-        before: tuple[RealArray, RealArray],
-        after: tuple[RealArray, RealArray],
+        self, real_touch: RealTouch, pull: RealArray, slipping: NDArray[np.bool_], before: Loaded, after: Loaded
     ) -> tuple[RealArray, NDArray[np.bool_]]:
-        """Return pull (n, 2), N, and sliding (n,): the contact's own pull, plus the change that the effects cause.
-
-        The change is that of sliders on springs. ``before`` and ``after`` are normal force (n,), N, and tangential
-        stiffness (n,), N/m, without and with the effects.
-        """
+        """Return pull (n, 2), N, and sliding (n,) with the effects, from those of the contact itself."""
         factors = [factor for effect in self._effects if (factor := effect.friction(real_touch)) is not None]
         spread = max((effect.spread() for effect in self._effects), default=0.0)
         memories = [memory for effect in self._effects if (memory := effect.memory(real_touch)) is not None]
         same = all(new is old for new, old in zip(after, before, strict=True))
         if same and not factors and not spread and not memories:
             return pull, slipping
-        # sliders with the effects less sliders without
-        coefficient = self._setup.material.friction
+        laws = SlidingLaws(factors, spread, np.prod(memories, axis=0) if memories else None)
         path, areas = real_touch.positions[:, :2], areas_of(real_touch.radius)
-        plain = stick_slip(path, before[0], before[1], coefficient)[0]
-        memory = np.prod(memories, axis=0) if memories else None
-        changed, limit, slipping = slide(path, *after, areas, coefficient, CONTACT_RATE, factors, spread, memory)
-        out: RealArray = pull + (changed - plain)
-        # within the changed limit of friction
-        limit = limit * beyond_coulomb(pull, coefficient * before[0])
-        size = np.linalg.norm(out, axis=1)
-        over = size > limit
-        out[over] *= (limit[over] / size[over])[:, None]
-        return out, slipping
+        return self._solved_pull.changed(path, areas, pull, before, after, laws)
 
     def _wrench(self, real_touch: RealTouch, wrench: RealArray, normal: RealArray, pull: RealArray) -> RealArray:
         """Return the wrench (n, 6) with changed forces; each change acts at the closed forms' centre of pressure."""

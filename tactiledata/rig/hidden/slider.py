@@ -31,7 +31,7 @@ def slide(
     friction: float,
     rate: float,
     factors: Sequence[FrictionFactor] = (),
-    spread: float = 0.0,
+    spreads: Sequence[float] = (),
     memory: RealArray | None = None,
 ) -> tuple[RealArray, RealArray, NDArray[np.bool_]]:
     """Return the pull on the gel (n, 2), N, its limit (n,), N, and whether all of the contact slides (n,).
@@ -55,14 +55,14 @@ def slide(
         Rate of the samples.
     factors : sequence of callables
         Each takes a `Slide` and gives a factor on the limit; none may fall with the speed at constant age.
-    spread : float
-        Relative half-width of the limits of the parts, which lie evenly within 1 - spread and 1 + spread of the mean.
+    spreads : sequence of float
+        Reasons why the limits of the parts differ, see `relative_limits`; without any it is one slider.
     memory : (n,), optional
         Share of a pull that a spring still holds k samples later, 1 at k = 0 (Boltzmann's superposition): parts that
         slide are at their limit at each moment, parts that stick relax. ``None``: the springs do not relax.
     """
     count = len(path)
-    parts = np.ones(1) if spread == 0 else 1 + spread * (2 * (np.arange(SLIDERS) + 0.5) / SLIDERS - 1)
+    parts = relative_limits(*spreads)
     pulls, limits, slips = np.zeros((count, 2)), np.zeros(count), np.zeros(count, dtype=bool)
     steps = np.diff(path, axis=0, prepend=path[:1]) * ((stiffness + np.roll(stiffness, 1)) / 2)[:, None]
     held, age, dt = np.zeros((len(parts), 2)), 0.0, 1 / rate
@@ -95,6 +95,25 @@ def slide(
         age = (age + dt) / (1 + dt * speed / CRITICAL_SLIP)
         pulls[moment], limits[moment], slips[moment] = held.sum(axis=0), most, over.all()
     return pulls, limits, slips
+
+
+def relative_limits(*spreads: float) -> RealArray:
+    """Return the limits (k,) of the parts of a contact, relative to their mean.
+
+    Parameters
+    ----------
+    *spreads : float
+        Relative half-widths, one for each reason why limits differ: for each by itself they lie evenly within
+        1 - spread and 1 + spread of the mean, and reasons multiply. Each part stands for as many of the products as
+        every other.
+    """
+    limits = np.ones(1)
+    for spread in spreads:
+        if spread > 0:
+            evenly = 1 + spread * (2 * (np.arange(SLIDERS) + 0.5) / SLIDERS - 1)
+            products = np.sort(np.outer(limits, evenly).ravel())
+            limits = products.reshape(SLIDERS, -1).mean(axis=1)
+    return limits
 
 
 def _limit(

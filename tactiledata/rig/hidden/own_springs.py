@@ -1,7 +1,12 @@
-"""Springs and sliders that are fitted to a solved contact: they pull along the gel as the solution does."""
+"""Springs and sliders that are fitted to a contact: they pull along the gel as it does.
+
+The contact of a solver slips at its rim before all of it slides. What a hidden effect or another way along the gel
+changes is told by these springs, with the change less without it.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +23,8 @@ LARGEST_FACTOR = 2.0
 """Largest factor on the closed form's stiffness; the smallest is its reciprocal."""
 STARTS = (0.0, 0.3, 0.6)
 """Spreads among which the fit picks its start."""
+SAME = 1e-6
+"""Share of the largest pull within which a contact is that of the closed forms."""
 
 
 class OwnSprings(NamedTuple):
@@ -28,7 +35,7 @@ class OwnSprings(NamedTuple):
     factor : float
         Multiplies the closed form's stiffness along the gel.
     spread : float
-        Spread of the sliders' limits, see `slide`: 0 where all of the contact slides at once.
+        Spread of the sliders' limits, see `relative_limits`: 0 where all of the contact slides at once.
     """
 
     factor: float = 1.0
@@ -53,39 +60,60 @@ class OwnSprings(NamedTuple):
         changes = np.append(True, (np.diff(rows, axis=0) != 0).any(axis=1))
         x, y, force, spring = rows[changes].T
         places, areas = np.column_stack([x, y]), np.ones(len(x))  # areas matter only to friction by pressure
-        pull = slide(places, force, self.factor * spring, areas, friction, CONTACT_RATE, (), self.spread)[0]
+        pull = slide(places, force, self.factor * spring, areas, friction, CONTACT_RATE, (), [self.spread])[0]
         return pull[np.cumsum(changes) - 1]
 
 
-def own_springs(
-    path: RealArray, normal: RealArray, stiffness: RealArray, friction: float, pull: RealArray
-) -> OwnSprings:
-    """Return the springs whose pull is nearest to a solved contact's; the closed form's where it hardly pulls.
+class Pulled(NamedTuple):
+    """What a contact pulls along one path, at one friction.
+
+    Parameters
+    ----------
+    friction : float
+        Coulomb's coefficient.
+    normal : (n,), N
+        Normal force.
+    pull : (n, 2), N
+        Pull on the gel.
+    """
+
+    friction: float
+    normal: RealArray
+    pull: RealArray
+
+
+def own_springs(path: RealArray, stiffness: RealArray, pulls: Sequence[Pulled]) -> OwnSprings:
+    """Return the springs whose pulls are nearest to a contact's, at one friction or at several.
+
+    They are the closed form's where the contact is of closed forms, and where it hardly pulls.
 
     Parameters
     ----------
     path : (n, 3), m
         Positions of the indenter: x, y and depth.
-    normal : (n,), N
-        Normal force of the solved contact.
     stiffness : (n,), N/m
         The closed form's stiffness along the gel.
-    friction : float
-        Coulomb's coefficient.
-    pull : (n, 2), N
-        The solved contact's pull on the gel.
+    pulls : sequence of Pulled
+        What the contact pulls along the path.
     """
+    usual, (friction, normal, pull) = OwnSprings(), pulls[0]
+    if np.abs(usual.pull(path[:, :2], normal, stiffness, friction) - pull).max() <= SAME * np.abs(pull).max():
+        return usual
     # compare at moments evenly spaced along the path
     travelled = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
     rows = np.unique(np.searchsorted(travelled, np.arange(0.0, travelled[-1], COMPARED_EVERY)))
     limit = friction * normal[rows]
     if np.linalg.norm(pull[rows], axis=1).max(initial=0.0) < 0.1 * limit.max(initial=0.0):
-        return OwnSprings()
-    reached = limit * beyond_coulomb(pull[rows], limit) / friction
+        return usual
+    reached = [one.normal[rows] * beyond_coulomb(one.pull[rows], one.friction * one.normal[rows]) for one in pulls]
 
     def missing(values: RealArray) -> RealArray:
         springs = OwnSprings(float(np.exp(values[0])), float(values[1]))
-        return (springs.pull(path[rows, :2], reached, stiffness[rows], friction) - pull[rows]).ravel()
+        slid = [
+            springs.pull(path[rows, :2], normal, stiffness[rows], one.friction) - one.pull[rows]
+            for normal, one in zip(reached, pulls, strict=True)
+        ]
+        return np.concatenate(slid).ravel()
 
     # fit the logarithm of the factor and the spread
     most = float(np.log(LARGEST_FACTOR))

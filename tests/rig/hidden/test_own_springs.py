@@ -1,9 +1,9 @@
-"""Springs of the rig's bank: planted ones are found again, and standing moments change nothing."""
+"""Springs that are fitted to a contact: planted ones are found again, and standing moments change nothing."""
 
 import numpy as np
 import pytest
 
-from tactiledata.rig.bank.own_springs import OwnSprings, own_springs
+from tactiledata.rig.hidden.own_springs import OwnSprings, Pulled, own_springs
 
 MOMENTS = np.arange(600)
 WAY = np.interp(MOMENTS, [0, 50, 250, 350, 550], [0.0, 0.0, 8e-4, 8e-4, 2e-4])
@@ -16,8 +16,8 @@ STIFFNESS = np.interp(MOMENTS, [0, 50], [0.0, 5e3])
 def test_planted_ones_are_found(factor, spread):
     """Stiffness and spread of planted springs are found within 0.05; without pull, the usual springs are returned."""
     pull = OwnSprings(factor, spread).pull(PATH[:, :2], NORMAL, STIFFNESS, 0.6)
-    assert own_springs(PATH, NORMAL, STIFFNESS, 0.6, pull) == pytest.approx((factor, spread), abs=0.05)
-    assert own_springs(PATH, NORMAL, STIFFNESS, 0.6, 0.0 * pull) == OwnSprings()
+    assert own_springs(PATH, STIFFNESS, [Pulled(0.6, NORMAL, pull)]) == pytest.approx((factor, spread), abs=0.05)
+    assert own_springs(PATH, STIFFNESS, [Pulled(0.6, NORMAL, 0.0 * pull)]) == OwnSprings()
 
 
 def test_moments_at_rest_are_passed_over():
