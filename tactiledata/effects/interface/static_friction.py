@@ -35,10 +35,12 @@ class StaticFriction(Effect):
         strength(
             "excess", "1", "share by which static friction is larger than kinetic",
             bounds=(0.0, 1.0), plausible=(0.0, 0.4), deviation=0.15, source="mu_s / mu_k of 1.05 to 1.4; estimate",
+            grid=(0.075, 0.3),
         ),
         strength(
             "ageing", "1", "further share per decade of rest",
             bounds=(0.0, 0.3), plausible=(0.0, 0.05), deviation=0.03, source="2 to 5 % per decade",
+            grid=(0.015, 0.06),
         ),
         shape(
             "length", "m", "way over which the excess dies out",

@@ -23,10 +23,10 @@ from tactiledata.prove.seal.folder import (
     write_sealed,
 )
 from tactiledata.prove.worlds.generators import make_generator
-from tactiledata.prove.worlds.logs import LogReadings, play_logs, unfelt
+from tactiledata.prove.worlds.logs import LogReadings, play_logs
 from tactiledata.prove.worlds.plan_names import named_plan
-from tactiledata.prove.worlds.recorder import WorldMaker
-from tactiledata.rig.contact.contact import RigContact, TouchSetup
+from tactiledata.rig.bank.bank import ContactBank
+from tactiledata.rig.play import RigSetup
 from tactiledata.rig.scenario.scenario import load_scenario
 
 
@@ -103,14 +103,13 @@ class AnswerTask:
 
 def solve(task: SolveTask) -> None:
     """Solve one touch of a plan, as a world without hidden effects needs it."""
-    maker = WorldMaker.of(named_plan(task.plan), task.bank)
-    generator = make_generator(task.generator, maker.bank)
-
-    def contact(gel: Any, setup: TouchSetup, path: Any = None, deviation: Any = None) -> RigContact:
-        chosen = generator if setup.touch.name == task.touch else unfelt
-        return chosen(gel, setup, path, deviation)
-
-    play_logs(load_scenario(maker.plan.scenario(0, maker.plan.truth, [])), contact)
+    plan = named_plan(task.plan)
+    document = plan.scenario(0, plan.truth, [])
+    touch = next(touch for touch in document["trajectories"] if touch["name"] == task.touch)
+    sensor = {touch["sensor"]: document["sensors"][touch["sensor"]]}
+    scenario = load_scenario({**document, "sensors": sensor, "trajectories": [touch]})
+    bank = ContactBank(task.bank, plan.pitch, RigSetup(scenario).indenters)
+    play_logs(scenario, make_generator(task.generator, bank))
 
 
 def draw(task: DrawTask) -> dict[str, Any]:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from tied_worlds import START, effect, recorded
 
+from tactiledata.calibrate.bounds import find_bounds
 from tactiledata.diagnose.naming import joint_fit as module
 from tactiledata.diagnose.naming import kept_fits, refit
 from tactiledata.diagnose.naming.joint_fit import joint_fit, plain_fit
@@ -107,6 +108,25 @@ def test_a_refit_reaches_what_the_screen_promises(late):
     found = joint_fit(white, start)
     assert promised.score > 40.0
     assert 0.95 * promised.score < base.cost - found.cost < 1.25 * promised.score
+
+
+@pytest.mark.slow
+def test_a_static_friction_is_reached_though_mu_is_at_its_bound():
+    """Where a plain fit raises mu to its bound, a refit from the screen's starts ends where one from the truth does.
+
+    To first order about that fit next to nothing slides, and a small excess changes nothing.
+    """
+    truth = effect("static_friction", excess=0.5, length=2e-4)
+    white = WhitenedTouches.of(recorded(truth, touches=12, slide=6e-4))
+    box = dataclasses.replace(find_bounds("wide"), high=(4e6, 0.495, 0.85))
+    base = joint_fit(white, joint_model(START, [], len(white.starts), len(white.simulation_errors), box=box))
+    assert base.model.material.friction == pytest.approx(0.85)
+    signatures = effect_signatures(white, base.model.material, ["static_friction"], (), base.model.offsets)
+    (promised,) = screen(base.metric, base.residual_at_centre, signatures)
+    (best,) = Refits(white, base, NamingOptions(), lambda text: None).singles([promised])
+    from_truth = joint_fit(white, joint_model(START, truth, len(white.starts), len(base.model.errors), box=box))
+    assert base.cost - from_truth.cost > 40.0
+    assert best.cost < from_truth.cost + 5.0
 
 
 @pytest.mark.parametrize("balances", [True, False])
