@@ -209,19 +209,31 @@ def counted(tmp_path, monkeypatch):
     return ElementBank(tmp_path), done
 
 
+NEAR = (0.0, 0.0, 3e-5)
+
+
 def test_a_bank_solves_three_offsets_once(counted):
     """A touch is solved at three depth offsets and then kept; another modulus or place along the gel asks for none."""
     bank, done = counted
-    first = bank.contact(GEL, setup_of())
+    first = bank.contact(GEL, setup_of(NEAR))
     assert len(done) == 3
-    second = ElementBank(bank.folder).contact(GEL, setup_of(modulus=2e6))
-    aside = bank.contact(GEL, setup_of((1e-4, -2e-4, 0.0)))
+    second = ElementBank(bank.folder).contact(GEL, setup_of(NEAR, modulus=2e6))
+    aside = bank.contact(GEL, setup_of((1e-4, -2e-4, 3e-5)))
     assert len(done) == 3
     assert second.wrench == pytest.approx(2 * first.wrench, rel=1e-5)
     moved = np.cross([1e-4, -2e-4, 0.0], first.wrench[:, :3])
     assert aside.wrench[:, 3:] - first.wrench[:, 3:] == pytest.approx(moved, abs=1e-9)
-    bank.contact(GEL, replace(setup_of(), thickness=0.003))
+    bank.contact(GEL, replace(setup_of(NEAR), thickness=0.003))
     assert len(done) == 6
+
+
+def test_an_offset_that_is_solved_asks_for_no_other(counted):
+    """Without an offset, as where another friction is asked for, a touch is solved once, and is that solution."""
+    bank, done = counted
+    found = bank.contact(GEL, setup_of())
+    assert [float(moved[0, 2]) for moved in done] == [0.0]
+    depth = np.maximum(found.path.at(contact_times(found.path))[:, 2], 0.0)
+    np.testing.assert_allclose(found.wrench[:, 2], 0.06 * depth**1.5 * 1e6, rtol=1e-6)
 
 
 def test_a_bank_interpolates_the_offset_and_solves_what_moves_along(counted):

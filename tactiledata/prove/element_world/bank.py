@@ -25,6 +25,8 @@ from tactiledata.rig.scenario.scenario import Gel
 
 APART = 1e-4
 """Distance, m, between depth offsets at which touches are solved."""
+UNUSED = 1e-12
+"""Weight in the interpolation between offsets below which a solution is not needed."""
 
 
 @dataclass(frozen=True)
@@ -100,8 +102,11 @@ class ElementBank:
         else:
             deeper = moved[:, 2] + setup.offset[2]
             nodes = offset_nodes(deeper)
-            solved = [self.solution(gel, setup, path, np.array([[0.0, 0.0, APART * node]])) for node in nodes]
             weights = np.asarray(CubicSpline(nodes, np.eye(len(nodes)))(deeper / APART))
+            # at an offset that is a node itself, no other one is solved
+            used = np.abs(weights).max(axis=0) > UNUSED
+            nodes, weights = nodes[used], weights[:, used]
+            solved = [self.solution(gel, setup, path, np.array([[0.0, 0.0, APART * node]])) for node in nodes]
             wrench = np.einsum("nk,knc->nc", weights, np.stack([one.wrench for one in solved]))
             one = solved[int(np.argmin(np.abs(nodes - deeper.mean() / APART)))]
             wrench[(path.at(contact_times(path))[:, 2] + deeper <= 0) | (wrench[:, 2] <= 0)] = 0.0
