@@ -112,7 +112,7 @@ def test_a_refit_reaches_what_the_screen_promises(late):
 
 @pytest.mark.slow
 def test_a_static_friction_is_reached_though_mu_is_at_its_bound():
-    """Where a plain fit raises mu to its bound, a refit from the screen's starts ends where one from the truth does.
+    """A refit with a static friction costs at most 5 more than one from the truth, with mu at its bound before.
 
     To first order about that fit next to nothing slides, and a small excess changes nothing.
     """
