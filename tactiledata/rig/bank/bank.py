@@ -25,8 +25,9 @@ from tactiledata.rig.contact.by_layer import touch_layer
 from tactiledata.rig.contact.closed_form import contact_law
 from tactiledata.rig.contact.contact import DEEPEST, TouchSetup, contact_times
 from tactiledata.rig.contact.footprint import GelGrid, make_footprint
-from tactiledata.rig.hidden.coulomb_limit import beyond_coulomb
+from tactiledata.rig.hidden.coulomb_limit import beyond_coulomb, within
 from tactiledata.rig.hidden.own_springs import OwnSprings, Pulled, own_springs
+from tactiledata.rig.hidden.slider import Loaded
 from tactiledata.rig.layer.grid import LayerGrid
 from tactiledata.rig.layer.solver import Layer
 from tactiledata.rig.motion.motion import Path
@@ -247,13 +248,10 @@ def _placed(
         friction = setup.material.friction
         normal = wrench[:, 2] * beyond_coulomb(wrench[:, :2], friction * wrench[:, 2])
         changed, plain = (
-            springs.pull(positions[:, :2] + move, normal, stiffness, friction) for move in (deviation[:, :2], 0.0)
+            springs.pull(positions[:, :2] + move, Loaded(normal, stiffness), friction)
+            for move in (deviation[:, :2], 0.0)
         )
-        # the changed pull stays within Coulomb's limit
-        pull = changed - plain - wrench[:, :2]
-        size, limit = np.linalg.norm(pull, axis=1), friction * normal
-        over = size > limit
-        pull[over] *= (limit[over] / size[over])[:, None]
+        pull = within(changed - plain - wrench[:, :2], friction * normal)
         gained = np.concatenate([-pull - wrench[:, :2], np.zeros((len(pull), 1))], axis=1)
         centre[:, :2] += positions[:, :2]
         out[:, :3] += gained

@@ -16,8 +16,8 @@ from tactiledata.rig.contact.closed_form import contact_law
 from tactiledata.rig.contact.contact import PlayTouch, RigContact, TouchSetup, contact_times
 from tactiledata.rig.hidden.base import EarlierTouch, HiddenEffect, RealTouch, TouchFacts
 from tactiledata.rig.hidden.history import elastic_work
-from tactiledata.rig.hidden.pull import Loaded, SlidingLaws, SolvedPull
-from tactiledata.rig.hidden.slider import areas_of
+from tactiledata.rig.hidden.pull import SolvedPull
+from tactiledata.rig.hidden.slider import Loaded, SlidingLaws, areas_of
 from tactiledata.rig.motion.motion import Path
 
 ANALYTIC_ROUNDS, OTHER_ROUNDS = 8, 3
@@ -176,7 +176,7 @@ class _EffectsOnTouch:
         same = all(new is old for new, old in zip(after, before, strict=True))
         if same and not factors and not spread and not memories:
             return pull, slipping
-        laws = SlidingLaws(factors, spread, np.prod(memories, axis=0) if memories else None)
+        laws = SlidingLaws(factors, [spread], np.prod(memories, axis=0) if memories else None)
         path, areas = real_touch.positions[:, :2], areas_of(real_touch.radius)
         return self._solved_pull.changed(path, areas, pull, before, after, laws)
 

@@ -1,4 +1,4 @@
-"""The factor by which a contact's pull exceeds Coulomb's limit."""
+"""Coulomb's limit: by which factor a contact's own pull exceeds it, and how a changed pull is kept within it."""
 
 from __future__ import annotations
 
@@ -15,3 +15,9 @@ def beyond_coulomb(pull: RealArray, limit: RealArray) -> RealArray:
     """
     size = np.linalg.norm(pull, axis=1)
     return np.maximum(1.0, np.divide(size, limit, out=np.ones_like(size), where=limit > 0))
+
+
+def within(pull: RealArray, limit: RealArray) -> RealArray:
+    """Return a pull (n, 2), N, shortened to a limit (n,), N, wherever it is more."""
+    size = np.linalg.norm(pull, axis=1)
+    return pull * np.divide(limit, size, out=np.ones_like(size), where=size > limit)[:, None]

@@ -6,16 +6,17 @@ changes is told by these springs, with the change less without it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import least_squares
 
 from tactiledata.arrays import RealArray
+from tactiledata.rig.contact.closed_form import stick_slip
 from tactiledata.rig.contact.contact import CONTACT_RATE
 from tactiledata.rig.hidden.coulomb_limit import beyond_coulomb
-from tactiledata.rig.hidden.slider import slide
+from tactiledata.rig.hidden.slider import Loaded, SlidingLaws, slide
 
 COMPARED_EVERY = 2e-5
 """Travel of the indenter, m, between the moments at which pulls are compared."""
@@ -41,26 +42,27 @@ class OwnSprings(NamedTuple):
     factor: float = 1.0
     spread: float = 0.0
 
-    def pull(self, path: RealArray, normal: RealArray, stiffness: RealArray, friction: float) -> RealArray:
-        """Return the pull (n, 2), N, of the indenter on the gel, as `slide` gives it.
+    def pull(self, path: RealArray, loaded: Loaded, friction: float) -> RealArray:
+        """Return the pull (n, 2), N, of the indenter on the gel.
 
         Parameters
         ----------
         path : (n, 2), m
             Places of the indenter along the gel.
-        normal : (n,), N
-            Normal force.
-        stiffness : (n,), N/m
-            The closed form's stiffness along the gel.
+        loaded : Loaded
+            Normal force, and the closed form's stiffness along the gel.
         friction : float
             Coulomb's coefficient.
         """
+        if self.spread <= 0:
+            return stick_slip(path, loaded.normal, self.factor * loaded.stiffness, friction)[0]
         # moments at which nothing changes are left out, since the result is the same
-        rows = np.column_stack([path, normal, stiffness])
+        rows = np.column_stack([path, *loaded])
         changes = np.append(True, (np.diff(rows, axis=0) != 0).any(axis=1))
         x, y, force, spring = rows[changes].T
-        places, areas = np.column_stack([x, y]), np.ones(len(x))  # areas matter only to friction by pressure
-        pull = slide(places, force, self.factor * spring, areas, friction, CONTACT_RATE, (), [self.spread])[0]
+        areas = np.ones(len(x))  # they matter only to friction by pressure
+        parts, laws = Loaded(force, self.factor * spring), SlidingLaws(spreads=[self.spread])
+        pull = slide(np.column_stack([x, y]), parts, areas, friction, CONTACT_RATE, laws)[0]
         return pull[np.cumsum(changes) - 1]
 
 
@@ -82,7 +84,7 @@ class Pulled(NamedTuple):
     pull: RealArray
 
 
-def own_springs(path: RealArray, stiffness: RealArray, pulls: Sequence[Pulled]) -> OwnSprings:
+def own_springs(path: RealArray, stiffness: RealArray, pulls: Iterable[Pulled]) -> OwnSprings:
     """Return the springs whose pulls are nearest to a contact's, at one friction or at several.
 
     They are the closed form's where the contact is of closed forms, and where it hardly pulls.
@@ -93,11 +95,12 @@ def own_springs(path: RealArray, stiffness: RealArray, pulls: Sequence[Pulled]) 
         Positions of the indenter: x, y and depth.
     stiffness : (n,), N/m
         The closed form's stiffness along the gel.
-    pulls : sequence of Pulled
-        What the contact pulls along the path.
+    pulls : iterable of Pulled
+        What the contact pulls along the path; all but the first are asked for only where springs are fitted.
     """
-    usual, (friction, normal, pull) = OwnSprings(), pulls[0]
-    if np.abs(usual.pull(path[:, :2], normal, stiffness, friction) - pull).max() <= SAME * np.abs(pull).max():
+    usual, pulls = OwnSprings(), iter(pulls)
+    friction, normal, pull = first = next(pulls)
+    if np.abs(usual.pull(path[:, :2], Loaded(normal, stiffness), friction) - pull).max() <= SAME * np.abs(pull).max():
         return usual
     # compare at moments evenly spaced along the path
     travelled = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
@@ -105,13 +108,14 @@ def own_springs(path: RealArray, stiffness: RealArray, pulls: Sequence[Pulled]) 
     limit = friction * normal[rows]
     if np.linalg.norm(pull[rows], axis=1).max(initial=0.0) < 0.1 * limit.max(initial=0.0):
         return usual
-    reached = [one.normal[rows] * beyond_coulomb(one.pull[rows], one.friction * one.normal[rows]) for one in pulls]
+    compared = [first, *pulls]
+    reached = [one.normal[rows] * beyond_coulomb(one.pull[rows], one.friction * one.normal[rows]) for one in compared]
 
     def missing(values: RealArray) -> RealArray:
         springs = OwnSprings(float(np.exp(values[0])), float(values[1]))
         slid = [
-            springs.pull(path[rows, :2], normal, stiffness[rows], one.friction) - one.pull[rows]
-            for normal, one in zip(reached, pulls, strict=True)
+            springs.pull(path[rows, :2], Loaded(normal, stiffness[rows]), one.friction) - one.pull[rows]
+            for normal, one in zip(reached, compared, strict=True)
         ]
         return np.concatenate(slid).ravel()
 

@@ -10,57 +10,22 @@ that.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tactiledata.arrays import RealArray
 from tactiledata.rig.contact.contact import CONTACT_RATE
-from tactiledata.rig.hidden.base import FrictionFactor
-from tactiledata.rig.hidden.coulomb_limit import beyond_coulomb
+from tactiledata.rig.hidden.coulomb_limit import beyond_coulomb, within
 from tactiledata.rig.hidden.own_springs import OwnSprings, Pulled, own_springs
-from tactiledata.rig.hidden.slider import slide
+from tactiledata.rig.hidden.slider import Loaded, SlidingLaws, slide
 
 LESS, MORE = 0.6, 1.6
 """Frictions, relative to the contact's own, at which a solver is asked once more."""
 FARTHEST = 1.5
 """How far beyond them their change is extrapolated, on a logarithmic scale."""
-
-
-class Loaded(NamedTuple):
-    """Normal force and tangential stiffness of a contact.
-
-    Parameters
-    ----------
-    normal : (n,), N
-        Normal force.
-    stiffness : (n,), N/m
-        The closed form's tangential stiffness.
-    """
-
-    normal: RealArray
-    stiffness: RealArray
-
-
-class SlidingLaws(NamedTuple):
-    """What hidden effects make of friction.
-
-    Parameters
-    ----------
-    factors : sequence of callables
-        Factors on Coulomb's limit, see `slide`.
-    spread : float
-        Spread of the limits of the parts of a contact, see `relative_limits`.
-    memory : (n,), optional
-        Share of a pull that is left k samples later, see `slide`.
-    """
-
-    factors: Sequence[FrictionFactor] = ()
-    spread: float = 0.0
-    memory: RealArray | None = None
 
 
 class SolvedPull:
@@ -103,29 +68,24 @@ class SolvedPull:
             What the effects make of friction.
         """
         friction, springs = self._friction, self.springs
-        slid, limit, slipping = slide(
-            path, after.normal, springs.factor * after.stiffness, areas, friction, CONTACT_RATE,
-            laws.factors, [springs.spread, laws.spread], laws.memory,
-        )  # fmt: skip
+        sprung = after._replace(stiffness=springs.factor * after.stiffness)
+        spread = laws._replace(spreads=[springs.spread, *laws.spreads])
+        slid, limit, slipping = slide(path, sprung, areas, friction, CONTACT_RATE, spread)
         # the mean factors on stiffness and limit, where it pulls
         share = _mean_ratio(after.stiffness, before.stiffness, slid)
         room = _mean_ratio(limit, friction * before.normal, slid)
-        own, sliders = pull, springs.pull(path, *before, friction)
+        relative = room / share if room > 0 and share > 0 else 1.0
+        own, sliders = pull, springs.pull(path, before, friction)
         if springs != OwnSprings():
-            more, slid_more = self._gained(room / share)
+            more, slid_more = self._gained(relative)
             own, sliders = own + more, sliders + slid_more
-        out: RealArray = share * own + slid - share * sliders
-        # within the changed limit of friction
-        limit = limit * beyond_coulomb(own, room / share * friction * before.normal)
-        size = np.linalg.norm(out, axis=1)
-        over = size > limit
-        out[over] *= (limit[over] / size[over])[:, None]
-        return out, slipping
+        changed = share * own + slid - share * sliders
+        return within(changed, limit * beyond_coulomb(own, relative * friction * before.normal)), slipping
 
     @cached_property
     def springs(self) -> OwnSprings:
         """The springs that pull along the gel as the solver does, at its friction and at less."""
-        return own_springs(self._positions, self._stiffness, [self._at(1.0), self._at(LESS)])
+        return own_springs(self._positions, self._stiffness, (self._at(factor) for factor in (1.0, LESS)))
 
     def _at(self, factor: float) -> Pulled:
         """Return what the solver finds at a friction, relative to the contact's own; it is asked once for each."""
@@ -143,7 +103,7 @@ class SolvedPull:
             return np.zeros((len(self._positions), 2)), np.zeros((len(self._positions), 2))
         there, here = self._at(side), self._at(1.0)
         slid = [
-            self.springs.pull(self._positions[:, :2], one.normal, self._stiffness, one.friction)
+            self.springs.pull(self._positions[:, :2], Loaded(one.normal, self._stiffness), one.friction)
             for one in (there, here)
         ]
         return share * (there.pull - here.pull), share * (slid[0] - slid[1])

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from math import hypot
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
 from tactiledata.arrays import RealArray
 from tactiledata.rig.hidden.base import FrictionFactor, Slide
@@ -15,24 +17,54 @@ SLIDERS = 12
 """Number of parts of a contact whose limits are spread."""
 CRITICAL_SLIP = 3e-5
 """Length of sliding, m, in which a contact loses its age."""
-HALVINGS = 30
-"""Bisections of the logarithm of the sliding speed."""
-SLOWEST, FASTEST = 1e-9, 1.0
-"""Sliding speeds, m/s, between which the speed is sought."""
+SLOWEST = 1e-9
+"""Speed, m/s, below which a contact is at rest."""
+SAME_SPEED = 1e-9
+"""Share of a speed within which it is found."""
 CREEP = 1e-5
 """Speed, m/s, below which a contact creeps under any pull: the limit returned is that of this speed at least."""
 
 
+class Loaded(NamedTuple):
+    """Normal force and tangential stiffness of a contact.
+
+    Parameters
+    ----------
+    normal : (n,), N
+        Normal force.
+    stiffness : (n,), N/m
+        Tangential stiffness.
+    """
+
+    normal: RealArray
+    stiffness: RealArray
+
+
+class SlidingLaws(NamedTuple):
+    """Laws of the parts of a contact, beside Coulomb's.
+
+    Parameters
+    ----------
+    factors : sequence of callables
+        Each takes a `Slide` and gives a factor on the limit; none may fall with the speed at constant age.
+    spreads : sequence of float
+        Reasons why the limits of the parts differ, see `relative_limits`; without any it is one slider.
+    memory : (n,), optional
+        Share of a pull that a spring still holds k samples later, 1 at k = 0 (Boltzmann's superposition): parts that
+        slide are at their limit at each moment, parts that stick relax. ``None``: the springs do not relax.
+    """
+
+    factors: Sequence[FrictionFactor] = ()
+    spreads: Sequence[float] = ()
+    memory: RealArray | None = None
+
+
+COULOMB = SlidingLaws()
+"""Coulomb's law alone, with one slider and springs that do not relax."""
+
+
 def slide(
-    path: RealArray,
-    normal: RealArray,
-    stiffness: RealArray,
-    areas: RealArray,
-    friction: float,
-    rate: float,
-    factors: Sequence[FrictionFactor] = (),
-    spreads: Sequence[float] = (),
-    memory: RealArray | None = None,
+    path: RealArray, loaded: Loaded, areas: RealArray, friction: float, rate: float, laws: SlidingLaws = COULOMB
 ) -> tuple[RealArray, RealArray, NDArray[np.bool_]]:
     """Return the pull on the gel (n, 2), N, its limit (n,), N, and whether all of the contact slides (n,).
 
@@ -43,57 +75,57 @@ def slide(
     ----------
     path : (n, 2), m
         Places of the indenter along the gel.
-    normal : (n,), N
-        Normal force.
-    stiffness : (n,), N/m
-        Tangential stiffness.
+    loaded : Loaded
+        The contact's normal force and stiffness.
     areas : (n,), m²
         Area of the contact.
     friction : float
         Coulomb's coefficient.
     rate : Hz
         Rate of the samples.
-    factors : sequence of callables
-        Each takes a `Slide` and gives a factor on the limit; none may fall with the speed at constant age.
-    spreads : sequence of float
-        Reasons why the limits of the parts differ, see `relative_limits`; without any it is one slider.
-    memory : (n,), optional
-        Share of a pull that a spring still holds k samples later, 1 at k = 0 (Boltzmann's superposition): parts that
-        slide are at their limit at each moment, parts that stick relax. ``None``: the springs do not relax.
+    laws : SlidingLaws
+        Laws beside Coulomb's.
     """
-    count = len(path)
-    parts = relative_limits(*spreads)
+    count, parts = len(path), relative_limits(*laws.spreads).tolist()
+    each = len(parts)
     pulls, limits, slips = np.zeros((count, 2)), np.zeros(count), np.zeros(count, dtype=bool)
-    steps = np.diff(path, axis=0, prepend=path[:1]) * ((stiffness + np.roll(stiffness, 1)) / 2)[:, None]
-    held, age, dt = np.zeros((len(parts), 2)), 0.0, 1 / rate
-    given, began = np.zeros((count, len(parts), 2)), 0
-    for moment in range(count):
-        force = max(float(normal[moment]), 0.0)
-        if force == 0:
-            held, age, began = np.zeros_like(held), 0.0, moment + 1
+    mean_stiffness = (loaded.stiffness + np.roll(loaded.stiffness, 1)) / 2
+    steps = np.diff(path, axis=0, prepend=path[:1]) * mean_stiffness[:, None] / each
+    age, dt = 0.0, 1 / rate
+    xs, ys = [0.0] * each, [0.0] * each
+    given, began = np.zeros((count if laws.memory is not None else 0, 2, each)), 0
+    # plain numbers: few parts and many moments
+    for moment, (force, stiffness, area, (step_x, step_y)) in enumerate(
+        zip(loaded.normal.tolist(), loaded.stiffness.tolist(), areas.tolist(), steps.tolist(), strict=True)
+    ):
+        if force <= 0:
+            xs, ys, age, began = [0.0] * each, [0.0] * each, 0.0, moment + 1
             continue
         # the springs before they slide
-        if memory is None:
-            held = held + steps[moment] / len(parts)
+        if laws.memory is None:
+            xs, ys = [x + step_x for x in xs], [y + step_y for y in ys]
         else:
-            given[moment] = steps[moment] / len(parts)
-            held = np.tensordot(memory[moment - began :: -1], given[began : moment + 1], axes=1)
+            given[moment] = [[step_x], [step_y]]
+            xs, ys = np.tensordot(laws.memory[moment - began :: -1], given[began : moment + 1], axes=1).tolist()
         # the limit at the speed of sliding
-        x, y = held.sum(axis=0).tolist()
-        trial, direction = float(np.hypot(x, y)), float(np.arctan2(y, x))
-        pressure = force / max(float(areas[moment]), 1e-9)
-        limit, speed, most = _limit(
-            trial, float(stiffness[moment]) * dt, friction * force, Slide(0.0, pressure, age, direction), factors
-        )
+        x, y = sum(xs), sum(ys)
+        state = Slide(0.0, force / max(area, 1e-9), age, float(np.arctan2(y, x)))
+        limit, speed, limits[moment] = _limit(hypot(x, y), stiffness * dt, friction * force, state, laws.factors)
         # parts beyond their share of the limit slide back to it
-        shares = limit * parts / len(parts)
-        sizes = np.hypot(held[:, 0], held[:, 1])
-        over = sizes > shares
-        kept = held * np.where(over, shares / np.maximum(sizes, 1e-300), 1.0)[:, None]
-        given[moment] += kept - held
-        held = kept
+        slid, before = 0, (xs, ys)
+        kept_x, kept_y = [], []
+        for part, x, y in zip(parts, xs, ys, strict=True):
+            size, share = hypot(x, y), limit * part / each
+            if size > share:
+                slid += 1
+                x, y = x * share / size, y * share / size
+            kept_x.append(x)
+            kept_y.append(y)
+        xs, ys = kept_x, kept_y
+        if laws.memory is not None:
+            given[moment] += np.array((xs, ys)) - before
         age = (age + dt) / (1 + dt * speed / CRITICAL_SLIP)
-        pulls[moment], limits[moment], slips[moment] = held.sum(axis=0), most, over.all()
+        pulls[moment], slips[moment] = (sum(xs), sum(ys)), slid == each
     return pulls, limits, slips
 
 
@@ -137,24 +169,26 @@ def _limit(
 
     def limit_at(speed: float) -> float:
         """Return the limit, N, at a speed of sliding, m/s."""
-        slid = state._replace(speed=speed)
+        slid = Slide(speed, *state[1:])
         limit = coulomb
         for factor in factors:
             limit *= factor(slid)
         return limit
 
+    def excess(speed: float) -> float:
+        """Return by how much the pull exceeds the limit, N, where it slides at a speed, m/s."""
+        return trial - give * speed - limit_at(speed)
+
     still = limit_at(SLOWEST)
     if trial <= still or give <= 0:
         return still, 0.0, max(still, limit_at(CREEP))
-    low, high = np.log(SLOWEST), np.log(FASTEST)
-    for _ in range(HALVINGS if factors else 0):
-        middle = (low + high) / 2
-        speed = float(np.exp(middle))
-        if trial - give * speed > limit_at(speed):
-            low = middle
-        else:
-            high = middle
-    speed = float(np.exp(low)) if factors else (trial - still) / give
+    # a limit that rises with the speed lies between that at rest and that at the speed which it would have at rest
+    speed = (trial - still) / give
+    slowest = max((trial - limit_at(speed)) / give, SLOWEST)
+    if slowest < (1 - SAME_SPEED) * speed:
+        tolerance = SAME_SPEED * SLOWEST
+        bracket = slowest, speed
+        speed = slowest if excess(slowest) <= 0 else float(brentq(excess, *bracket, xtol=tolerance, rtol=SAME_SPEED))
     return limit_at(speed), speed, limit_at(max(speed, CREEP))
 
 

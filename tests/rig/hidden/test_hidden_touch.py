@@ -9,7 +9,7 @@ from tactiledata.rig.contact.contact import CONTACT_RATE
 from tactiledata.rig.hidden.base import Slide
 from tactiledata.rig.hidden.friction import HiddenRateFriction
 from tactiledata.rig.hidden.pose import HiddenJointCompliance, followed, sensor_poses
-from tactiledata.rig.hidden.slider import slide
+from tactiledata.rig.hidden.slider import Loaded, SlidingLaws, slide
 from tactiledata.rig.motion import ur5e
 
 PUSHED = [PRESS, SLIDE]
@@ -151,10 +151,10 @@ def test_a_slide_relaxes_where_it_sticks_and_keeps_to_friction_where_it_slides()
     count, rate = 3000, 500.0
     path = np.zeros((count, 2))
     path[:, 0] = np.interp(np.arange(count), [0, 500, 1500], [0.0, 0.0, 2e-3])
-    normal, stiffness = np.full(count, 2.0), np.full(count, 3000.0)
+    loaded = Loaded(np.full(count, 2.0), np.full(count, 3000.0))
     memory = 0.6 + 0.4 * np.exp(-np.arange(count) / rate / 0.5)
-    plain = slide(path, normal, stiffness, np.full(count, 1e-5), 0.5, rate)[0][:, 0]
-    pull, _, slips = slide(path, normal, stiffness, np.full(count, 1e-5), 0.5, rate, memory=memory)
+    plain = slide(path, loaded, np.full(count, 1e-5), 0.5, rate)[0][:, 0]
+    pull, _, slips = slide(path, loaded, np.full(count, 1e-5), 0.5, rate, SlidingLaws(memory=memory))
     pull = pull[:, 0]
     np.testing.assert_allclose(pull[slips], 1.0, rtol=1e-9)
     assert slips[1200:1499].all()
@@ -170,9 +170,9 @@ def test_a_slide_relaxes_where_it_sticks_and_keeps_to_friction_where_it_slides()
 def test_a_memory_that_forgets_nothing_is_none():
     """Sliders that keep all of their pull slide as those without loss do."""
     path = np.cumsum(np.random.default_rng(0).normal(0, 2e-5, (800, 2)), axis=0)
-    normal, stiffness, areas = np.full(800, 1.5), np.full(800, 2500.0), np.full(800, 1e-5)
-    plain = slide(path, normal, stiffness, areas, 0.4, 500.0)[0]
-    kept = slide(path, normal, stiffness, areas, 0.4, 500.0, memory=np.ones(800))[0]
+    loaded, areas = Loaded(np.full(800, 1.5), np.full(800, 2500.0)), np.full(800, 1e-5)
+    plain = slide(path, loaded, areas, 0.4, 500.0)[0]
+    kept = slide(path, loaded, areas, 0.4, 500.0, SlidingLaws(memory=np.ones(800)))[0]
     np.testing.assert_allclose(kept, plain, atol=1e-9)
 
 
@@ -312,7 +312,7 @@ def test_sliders_without_factors_are_coulombs():
     normal = np.clip(np.sin(np.arange(400) / 30.0), 0.0, None) * 5
     stiffness = np.where(normal > 0, 4000.0, 0.0)
     plain, plain_slips = stick_slip(path, normal, stiffness, 0.5)
-    pull, limit, slips = slide(path, normal, stiffness, np.full(400, 1e-5), 0.5, CONTACT_RATE)
+    pull, limit, slips = slide(path, Loaded(normal, stiffness), np.full(400, 1e-5), 0.5, CONTACT_RATE)
     np.testing.assert_allclose(pull, plain, atol=1e-12)
     np.testing.assert_array_equal(slips[normal > 0], plain_slips[normal > 0])
     assert (np.linalg.norm(pull, axis=1) <= limit + 1e-12).all()

@@ -5,8 +5,8 @@ import pytest
 from hidden_worlds import PRESS, contact_of, stated, touch
 
 from tactiledata.rig.hidden.own_springs import OwnSprings
-from tactiledata.rig.hidden.pull import LESS, MORE, Loaded, SlidingLaws, SolvedPull
-from tactiledata.rig.hidden.slider import relative_limits
+from tactiledata.rig.hidden.pull import LESS, MORE, SolvedPull
+from tactiledata.rig.hidden.slider import Loaded, SlidingLaws, relative_limits
 
 MOMENTS = np.arange(500)
 WAY = np.interp(MOMENTS, [0, 100, 500], [0.0, 0.0, 1.2e-3])
@@ -74,8 +74,8 @@ def test_between_solved_frictions_the_change_is_near_the_closed_form(effects, ex
 def test_closed_forms_are_sliders():
     """A contact of one slider pulls with effects as one slider does, within a micronewton."""
     spring = OwnSprings()
-    solve = solver(lambda friction: spring.pull(PATH[:, :2], NORMAL, STIFFNESS, friction))
-    expected = spring.pull(PATH[:, :2], 0.9 * NORMAL, 0.8 * STIFFNESS, 0.75 * FRICTION)
+    solve = solver(lambda friction: spring.pull(PATH[:, :2], Loaded(NORMAL, STIFFNESS), friction))
+    expected = spring.pull(PATH[:, :2], Loaded(0.9 * NORMAL, 0.8 * STIFFNESS), 0.75 * FRICTION)
     np.testing.assert_allclose(changed(solve, 0.9, 0.8, 0.75), expected, atol=1e-6)
 
 
@@ -92,7 +92,7 @@ def test_limits_of_parts_multiply():
 
 def test_limits_that_vary_more_give_way_earlier():
     """A spread of limits takes pull from a contact that yields already, and hardly any where it sticks."""
-    pull, plain = changed(solver(), spread=0.8), yielding(FRICTION)
+    pull, plain = changed(solver(), spreads=[0.8]), yielding(FRICTION)
     less = np.linalg.norm(plain, axis=1) - np.linalg.norm(pull, axis=1)
     assert 0.02 < less.max() < 0.2 * np.linalg.norm(plain, axis=1).max()
     assert np.abs(less[:110]).max() < 0.01
