@@ -139,7 +139,7 @@ class ProofRequest:
 
 QUICK = ProofRequest(
     generators=("layer", "analytic"),
-    plans=("wedge-2x14",),
+    plans=("wedge-2x10",),
     counts={"nulls": 4, "visible": 3, "concealed": 1, "pairs": 1, "outside": 1},
 )
 """A proof of 20 cases that two processors finish in some minutes."""
