@@ -2,12 +2,12 @@
 
     python benchmarks/proof_objections.py [--each OBJECTION]
 
-Reads the misses that `tactiledata prove` printed, which docs/proof.md holds in full: effects of the catalogue that got
-no name, with the effects whose refit came nearest, and the objections to it. They are counted by the first objection.
-Where the right effect is nearly always nearest, the objection keeps right names back; where it seldom is, it keeps
-wrong ones back. `--each` lists the misses of one objection, `--each share` for example. Nothing is computed anew, and
-rules changed between ensembles. Answers that name nothing in worlds without effects are no misses: what an objection
-keeps back there is not seen here.
+Reads the misses that `tactiledata prove` printed, which docs/proof-ensembles.md holds in full: effects of the catalogue
+that got no name, with the effects whose refit came nearest, and the objections to it. They are counted by the first
+objection. Where the right effect is nearly always nearest, the objection keeps right names back; where it seldom is, it
+keeps wrong ones back. `--each` lists the misses of one objection, `--each share` for example. Nothing is computed anew,
+and rules changed between ensembles. Answers that name nothing in worlds without effects are no misses: what an
+objection keeps back there is not seen here.
 """
 
 from __future__ import annotations

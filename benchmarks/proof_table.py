@@ -1,4 +1,4 @@
-"""A row for each sealed ensemble on the page of the proof: what was asked, and what its printed score says.
+"""A row for each sealed ensemble on the page of ensembles: what was asked, and what its printed score says.
 
     python benchmarks/proof_table.py            prints the table
     python benchmarks/proof_table.py --write    writes it into the page, below "## All ensembles"
@@ -12,7 +12,7 @@ import argparse
 import re
 from pathlib import Path
 
-PAGE = Path(__file__).parents[1] / "docs" / "proof.md"
+PAGE = Path(__file__).parents[1] / "docs" / "proof-ensembles.md"
 HEADING = "## All ensembles"
 COUNTS = {
     "nulls named": "false alarms on nulls",

@@ -14,13 +14,14 @@ from tactiledata.prove.seal.folder import FORMAT
 @pytest.fixture
 def printed(tmp_path, monkeypatch, capsys):
     """Two proofs of six nulls and six effects with one miss each; the command of the second chose the effects."""
-    paths = [tmp_path / "first", tmp_path / "chosen"]
+    paths, picture = [tmp_path / "first", tmp_path / "chosen"], tmp_path / "named.png"
     for path in paths:
         answered_proof(path)
     request = replace(REQUEST, only=("lag",)).document
     write_json_atomic(paths[1] / "proof.json", {"format": FORMAT, "request": request})
-    monkeypatch.setattr("sys.argv", ["proof_pooled.py", *map(str, paths)])
+    monkeypatch.setattr("sys.argv", ["proof_pooled.py", *map(str, paths), "--picture", str(picture)])
     proof_pooled.main()
+    assert picture.stat().st_size > 5000
     return [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
 
 
@@ -32,6 +33,18 @@ def test_cases_of_all_proofs_are_counted_together(printed):
     # Wilson's interval of five of six
     assert "5 of 6 44 to 97 %" in visible
     assert not any(line.startswith("both of a pair") for line in printed)
+
+
+def test_each_clause_of_the_claim_has_its_counts(printed):
+    """The counts of the one generator are those of all; a clause without a case has none."""
+    generator = REQUEST.generators[0]
+    start = printed.index(f"{generator} all target")
+    rows = printed[start + 2 : start + 2 + len(proof_pooled.CLAUSES)]
+    assert rows[:2] == [
+        "says nothing where nothing is missing 0 of 12 0 of 12 at most 5 %",
+        "says which physics was left out 5 of 6 5 of 6 at least 80 %",
+    ]
+    assert rows[-1] == "proves it where the effect is concealed 0 of 0 0 of 0 at least 70 %"
 
 
 def test_every_proof_is_told_with_its_root(printed, tmp_path):
