@@ -74,7 +74,7 @@ class SolvedPull:
         # the mean factors on stiffness and limit, where it pulls
         share = _mean_ratio(after.stiffness, before.stiffness, slid)
         room = _mean_ratio(limit, friction * before.normal, slid)
-        relative = room / share if room > 0 and share > 0 else 1.0
+        relative = room / share
         own, sliders = pull, springs.pull(path, before, friction)
         if springs != OwnSprings():
             more, slid_more = self._gained(relative)
