@@ -54,7 +54,7 @@ class ProofCase:
     @cached_property
     def change(self) -> Array:
         """What is hidden changes in the wrenches (N, 6), N and N m, without noise."""
-        exact = self.world.readings(self.case.label["hidden"], is_exact=True)
+        exact = self.world.recorded(self.case.label["hidden"]).exact
         felt: Array = np.concatenate(self.world.played.maker.observed(exact).wrenches) - self.world.clean
         return felt
 

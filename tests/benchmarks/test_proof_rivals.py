@@ -81,7 +81,7 @@ def test_an_exact_simulation_leaves_what_is_hidden_and_nothing_else(tmp_path):
     world = DrawnWorld(played, configuration, 100_001)
     left = {}
     for hidden in ([], [{"effect": "lag", "parameters": {"delay": 0.2, "period": 0.0}}]):
-        touches = played.maker.cases(played.maker.observed(world.readings(hidden, is_exact=True)), played.family)
+        touches = played.maker.cases(played.maker.observed(world.recorded(hidden).exact), played.family)
         case = ScoredCase("", world.case("drawn", hidden).document, {}, 0.0)
         exact = exact_case(case, played, touches, ())
         for what, found in (("as it is", touches), ("exact", exact.cases)):

@@ -99,7 +99,7 @@ def drawn_case(request: CaseRequest) -> DrawnCase:
     allowed = request.effects(played)
     world = DrawnWorld(played, request.configuration, int(FIRST_SEED + chance.integers(2**31)))
     if request.kind == NULLS:
-        return DrawnCase(world.case(NULLS, ()), world.readings(()), {})
+        return DrawnCase(world.case(NULLS, ()), world.recorded(()).readings, {})
     if len(allowed) < (2 if request.kind == PAIRS else 1):
         return DrawnCase(None, [], {})
     rejected: Counter[str] = Counter()
@@ -108,18 +108,20 @@ def drawn_case(request: CaseRequest) -> DrawnCase:
         drawn = int(chance.integers(2**31))
         hidden = tuple({"effect": name, "parameters": drawn_parameters(name, drawn, BEYOND)} for name in names)
         try:
-            readings = world.readings(hidden)
+            recorded = world.recorded(hidden)
         except UsageError as error:
             # a strength beyond what the generator can record
             rejected[f"the generator refuses {names[0]}: {error.expected}"] += 1
             continue
-        loss_ratio = world.loss_ratio(readings)
-        sight = world.sight(hidden, loss_ratio, with_alike=request.kind == AMBIGUOUS)
+        loss_ratio = world.loss_ratio(recorded)
+        sight = world.sight(recorded, loss_ratio, with_alike=request.kind == AMBIGUOUS)
         alone = (
-            [world.sight((one,), loss_ratio) for one in hidden] if request.kind == PAIRS and sight.is_visible else []
+            [world.sight(world.recorded((one,)), loss_ratio) for one in hidden]
+            if request.kind == PAIRS and sight.is_visible
+            else []
         )
         if is_of_kind(request.kind, sight, alone, [TITLES.get(name, "") for name in names]):
-            return DrawnCase(world.case(request.kind, hidden, sight), readings, rejected)
+            return DrawnCase(world.case(request.kind, hidden, sight), recorded.readings, rejected)
         rejected["not of the kind" if sight.is_visible else "too weak to be seen"] += 1
     return DrawnCase(None, [], rejected)
 

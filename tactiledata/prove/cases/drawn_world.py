@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,6 +21,21 @@ from tactiledata.prove.worlds.logs import LogReadings
 from tactiledata.prove.worlds.played_plan import PlayedPlan
 from tactiledata.prove.worlds.recorder import ReadWorld
 from tactiledata.rig.scenario.scenario import load_scenario
+
+
+class RecordedWorld(NamedTuple):
+    """What the force sensor reads in each log of a world.
+
+    Parameters
+    ----------
+    readings : list of LogReadings
+        Readings as they are recorded.
+    exact : list of LogReadings
+        The same by a sensor without noise and quanta.
+    """
+
+    readings: list[LogReadings]
+    exact: list[LogReadings]
 
 
 @dataclass(frozen=True)
@@ -41,21 +56,26 @@ class DrawnWorld:
     configuration: Configuration
     seed: int
 
-    def readings(self, hidden: Sequence[dict[str, Any]], is_exact: bool = False) -> list[LogReadings]:
-        """Return what the force sensor reads in each log."""
+    def recorded(self, hidden: Sequence[dict[str, Any]]) -> RecordedWorld:
+        """Return what the force sensor reads where this is hidden, with its noise and without."""
         maker = self.configuration.maker(self.played.maker)
-        return maker.readings(self.seed, self.played.gel(self.seed), list(hidden), is_exact=is_exact)
+        logs = maker.played(self.seed, self.played.gel(self.seed), list(hidden))
+        return RecordedWorld([log.readings(maker.noise) for log in logs], [log.readings(0.0) for log in logs])
+
+    @cached_property
+    def _without(self) -> RecordedWorld:
+        """The readings of the world without what it hides."""
+        return self.recorded(())
 
     @cached_property
     def unhidden(self) -> ReadWorld:
         """The world without what it hides, as a diagnosis would read it."""
-        return self.played.maker.observed(self.readings(()))
+        return self.played.maker.observed(self._without.readings)
 
     @cached_property
     def clean(self) -> Array:
         """Wrenches (N, 6), N and N m, of the world without what it hides, by a sensor without noise."""
-        exact = self.played.maker.observed(self.readings((), is_exact=True))
-        return np.concatenate(exact.wrenches)
+        return np.concatenate(self.played.maker.observed(self._without.exact).wrenches)
 
     @cached_property
     def touch_set(self) -> TouchSet:
@@ -77,25 +97,24 @@ class DrawnWorld:
         """What the generator's forces (N, 6), N and N m, differ by from the plain simulation that fits them best."""
         return self.clean - self.touch_set.play(self.plain.model.material, [], self.plain.model.offsets)
 
-    def loss_ratio(self, readings: Sequence[LogReadings]) -> float:
+    def loss_ratio(self, recorded: RecordedWorld) -> float:
         """Return the paper's loss on readings after a calibration, over that of the world without what it hides."""
-        loss = self.paper.loss(self.played.maker.observed(readings).wrenches)
+        loss = self.paper.loss(self.played.maker.observed(recorded.readings).wrenches)
         return round(loss / self.paper.loss(self.unhidden.wrenches), 4)
 
-    def sight(self, hidden: Sequence[dict[str, Any]], loss_ratio: float, with_alike: bool = False) -> Sight:
+    def sight(self, recorded: RecordedWorld, loss_ratio: float, with_alike: bool = False) -> Sight:
         """Return how much can be seen of what is hidden.
 
         Parameters
         ----------
-        hidden : sequence of dict
-            Hidden effects as a scenario states them.
+        recorded : RecordedWorld
+            The readings with what is hidden.
         loss_ratio : float
             See `loss_ratio`.
         with_alike : bool
             Whether effects are looked for that imitate it.
         """
-        maker = self.played.maker
-        felt = np.concatenate(maker.observed(self.readings(hidden, is_exact=True)).wrenches)
+        felt = np.concatenate(self.played.maker.observed(recorded.exact).wrenches)
         change = felt - self.clean
         signal = float(np.sqrt(max(refit(self.touch_set, felt).cost - self.plain.cost, 0.0)))
         whole = float((plain_whitened(self.touch_set, change) ** 2).sum())

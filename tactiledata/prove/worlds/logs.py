@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -79,10 +79,18 @@ class WorldLog:
         """Touches of the log, each with ``base_from_indenter`` as the log states it."""
         return [(play, mounted) for play, (_, mounted) in zip(self.played.plays, self.played.poses, strict=True)]
 
-    @property
-    def readings(self) -> LogReadings:
-        """What the force sensor reads over the whole log."""
+    def readings(self, noise: float = 1.0) -> LogReadings:
+        """Return what the force sensor reads over the whole log.
+
+        Parameters
+        ----------
+        noise : float
+            Factor on noise and quanta of the force sensor.
+        """
         scenario = self.rig_setup.scenario
+        kinds = ("force_noise", "torque_noise", "force_quantum", "torque_quantum")
+        sizes = {kind: noise * getattr(scenario.imperfections, kind) for kind in kinds}
+        scenario = replace(scenario, imperfections=replace(scenario.imperfections, **sizes))
         chance = np.random.default_rng([scenario.seed, SAMPLING, self.index])
         samples = wrench_samples(scenario, self.played, self.index, self.tares, chance)
         return LogReadings(samples.stamp_ns, np.asarray(samples.values))

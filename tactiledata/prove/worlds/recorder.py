@@ -144,12 +144,22 @@ class WorldMaker:
         is_exact : bool
             Whether the force sensor has neither noise nor quanta.
         """
+        noise = 0.0 if is_exact else self.noise
+        return [log.readings(noise) for log in self.played(seed, material, hidden, more)]
+
+    def played(
+        self, seed: int, material: GelMaterial, hidden: list[dict[str, Any]], more: tuple[HiddenEffect, ...] = ()
+    ) -> list[WorldLog]:
+        """Return the logs of a world, whose readings may be taken with noise and without.
+
+        Parameters
+        ----------
+        seed, material, hidden, more
+            See `readings`.
+        """
         scenario = load_scenario(self.plan.scenario(seed, material, hidden))
         scenario = replace(scenario, hidden=(*scenario.hidden, *more))
-        kinds, factor = ("force_noise", "torque_noise", "force_quantum", "torque_quantum"), self.noise * (not is_exact)
-        noise = {kind: factor * getattr(scenario.imperfections, kind) for kind in kinds}
-        scenario = replace(scenario, imperfections=replace(scenario.imperfections, **noise))
-        return [log.readings for log in play_logs(scenario, self.solve or self.bank.contact)]
+        return play_logs(scenario, self.solve or self.bank.contact)
 
     def recorded(
         self,
