@@ -83,12 +83,15 @@ def draw(path: Path, cases: Sequence[ScoredCase]) -> None:
     FigureCanvasAgg(figure)
     panel = figure.subplots()
     named = sorted({case.label["configuration"]["generator"] for case in cases})
+    # ranges from the first that has a case
+    starts = [one["signal"][0] for one in score_of(cases)["strength"]]
+    shown = SIGNALS[SIGNALS.index(min(starts)) :]
     for place, name in enumerate(named):
         ranges = [one for one in score_of(of_generator(cases, name))["strength"] if one["named"]["count"]]
         shares = np.array([one["named"]["right"] / one["named"]["count"] for one in ranges])
         reach = np.array([one["named"]["interval"] for one in ranges])
         # beside one another, so that intervals do not hide each other
-        x = np.array([SIGNALS.index(one["signal"][0]) for one in ranges]) + 0.12 * (place - (len(named) - 1) / 2)
+        x = np.array([shown.index(one["signal"][0]) for one in ranges]) + 0.12 * (place - (len(named) - 1) / 2)
         bars = np.abs(np.stack([shares - reach[:, 0], reach[:, 1] - shares]))
         panel.errorbar(x, 100 * shares, 100 * bars, fmt="o-", capsize=3, label=name)
         for at, share, one in zip(x, shares, ranges, strict=True):
@@ -96,7 +99,7 @@ def draw(path: Path, cases: Sequence[ScoredCase]) -> None:
                 str(one["named"]["count"]), (at, 100 * share), xytext=(4, 4), textcoords="offset points", fontsize=7
             )
     panel.axhline(80, color="0.6", linestyle=":", linewidth=1)
-    ends = [signal_words(low, high) for low, high in pairwise(SIGNALS)]
+    ends = [signal_words(low, high) for low, high in pairwise(shown)]
     panel.set_xticks(range(len(ends)), ends)
     panel.set(
         xlabel="signal of the hidden effect, over the noise",
