@@ -47,11 +47,11 @@ def target_rows(score: Mapping[str, Any]) -> list[tuple[str, ...]]:
 
 
 CLAUSES = {
-    "says nothing where nothing is missing": "false alarms on nulls",
-    "says which physics was left out": "visible effects named",
-    "says nothing wrong": "wrong names",
-    "shows that the fit improves": "gap closed on held-out trajectories, where rightly named",
-    "proves it where the effect is concealed": "effects concealed by calibration named",
+    "a name where nothing is missing": "false alarms on nulls",
+    "says what was left out": "visible effects named",
+    "a wrong name": "wrong names",
+    "the fit improves": "gap closed on held-out trajectories, where rightly named",
+    "says it where it is concealed": "effects concealed by calibration named",
 }
 """What is claimed, and the target that measures it."""
 
@@ -107,7 +107,7 @@ def draw(path: Path, cases: Sequence[ScoredCase]) -> None:
         ylim=(-4, 104),
         title="Single effects in sealed worlds (simulated recordings)",
     )
-    panel.legend(title="generator", fontsize=8)
+    panel.legend(title="generator", fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     panel.grid(alpha=0.3)
     figure.savefig(path, metadata={"Software": None})
 

@@ -41,10 +41,10 @@ def test_each_clause_of_the_claim_has_its_counts(printed):
     start = printed.index(f"{generator} all target")
     rows = printed[start + 2 : start + 2 + len(proof_pooled.CLAUSES)]
     assert rows[:2] == [
-        "says nothing where nothing is missing 0 of 12 0 of 12 at most 5 %",
-        "says which physics was left out 5 of 6 5 of 6 at least 80 %",
+        "a name where nothing is missing 0 of 12 0 of 12 at most 5 %",
+        "says what was left out 5 of 6 5 of 6 at least 80 %",
     ]
-    assert rows[-1] == "proves it where the effect is concealed 0 of 0 0 of 0 at least 70 %"
+    assert rows[-1] == "says it where it is concealed 0 of 0 0 of 0 at least 70 %"
 
 
 def test_every_proof_is_told_with_its_root(printed, tmp_path):
