@@ -58,10 +58,9 @@ CLAUSES = {
 
 def clause_rows(cases: Sequence[ScoredCase]) -> list[tuple[str, ...]]:
     """A row for each clause of the claim: how often it holds with each generator, and with all of them."""
-    named = sorted({case.label["configuration"]["generator"] for case in cases})
-    groups = [*(of_generator(cases, name) for name in named), cases]
-    targets = [{one["what"]: one for one in score_of(group)["targets"]} for group in groups]
-    head = ("", *named, "all", "target")
+    groups = {**by_generator(cases), "all": cases}
+    targets = [{one["what"]: one for one in score_of(group)["targets"]} for group in groups.values()]
+    head = ("", *groups, "target")
     rows = [
         (clause, *(f"{one[what]['right']} of {one[what]['count']}" for one in targets), targets[-1][what]["target"])
         for clause, what in CLAUSES.items()
@@ -69,9 +68,10 @@ def clause_rows(cases: Sequence[ScoredCase]) -> list[tuple[str, ...]]:
     return [head, *rows]
 
 
-def of_generator(cases: Sequence[ScoredCase], name: str) -> list[ScoredCase]:
-    """Cases of one generator."""
-    return [case for case in cases if case.label["configuration"]["generator"] == name]
+def by_generator(cases: Sequence[ScoredCase]) -> dict[str, list[ScoredCase]]:
+    """Cases of each generator, by its name."""
+    names = [case.label["configuration"]["generator"] for case in cases]
+    return {name: [case for case, own in zip(cases, names, strict=True) if own == name] for name in sorted(set(names))}
 
 
 def draw(path: Path, cases: Sequence[ScoredCase]) -> None:
@@ -82,16 +82,14 @@ def draw(path: Path, cases: Sequence[ScoredCase]) -> None:
     figure = Figure(figsize=(7, 3.6), dpi=110, facecolor="white", layout="constrained")
     FigureCanvasAgg(figure)
     panel = figure.subplots()
-    named = sorted({case.label["configuration"]["generator"] for case in cases})
+    strengths = {name: score_of(own)["strength"] for name, own in by_generator(cases).items()}
     # ranges from the first that has a case
-    starts = [one["signal"][0] for one in score_of(cases)["strength"]]
-    shown = SIGNALS[SIGNALS.index(min(starts)) :]
-    for place, name in enumerate(named):
-        ranges = [one for one in score_of(of_generator(cases, name))["strength"] if one["named"]["count"]]
+    shown = SIGNALS[SIGNALS.index(min(one["signal"][0] for ranges in strengths.values() for one in ranges)) :]
+    for place, (name, ranges) in enumerate(strengths.items()):
         shares = np.array([one["named"]["right"] / one["named"]["count"] for one in ranges])
         reach = np.array([one["named"]["interval"] for one in ranges])
         # beside one another, so that intervals do not hide each other
-        x = np.array([shown.index(one["signal"][0]) for one in ranges]) + 0.12 * (place - (len(named) - 1) / 2)
+        x = np.array([shown.index(one["signal"][0]) for one in ranges]) + 0.12 * (place - (len(strengths) - 1) / 2)
         bars = np.abs(np.stack([shares - reach[:, 0], reach[:, 1] - shares]))
         panel.errorbar(x, 100 * shares, 100 * bars, fmt="o-", capsize=3, label=name)
         for at, share, one in zip(x, shares, ranges, strict=True):

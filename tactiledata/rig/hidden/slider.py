@@ -182,7 +182,7 @@ def _limit(
     still = limit_at(SLOWEST)
     if trial <= still or give <= 0:
         return still, 0.0, max(still, limit_at(CREEP))
-    # a limit that rises with the speed lies between that at rest and that at the speed which it would have at rest
+    # limits rise with the speed: at most that which the limit at rest leaves, at least that which its own limit leaves
     speed = (trial - still) / give
     slowest = max((trial - limit_at(speed)) / give, SLOWEST)
     if slowest < (1 - SAME_SPEED) * speed:
