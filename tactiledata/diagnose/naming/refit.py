@@ -101,10 +101,11 @@ class Refits:
         best = [
             min(filter(None, [next(fits) for _ in one.starts]), key=lambda fit: fit.cost, default=None) for one in asked
         ]
-        # the fit without what is added is a special case: where a refit ends above it, one from near it is tried, too
+        # the fit without what is added is a special case: where a refit ends above it, others are tried, too
         above = [place for place, fit in enumerate(best) if fit is None or fit.cost > asked[place].near.cost]
-        near = [self._request(asked[place], asked[place].weak, to_beat) for place in above]
-        for place, fit in zip(above, self._fits(near), strict=True):
+        others = [(place, start) for place in above for start in asked[place].other_starts]
+        requests = [self._request(asked[place], start, to_beat) for place, start in others]
+        for (place, _), fit in zip(others, self._fits(requests), strict=True):
             best[place] = min(filter(None, [best[place], fit]), key=lambda fit: fit.cost, default=None)
         return best
 
@@ -116,6 +117,7 @@ class Refits:
         """
         best = sorted(singles, key=lambda fit: fit.cost)[: self.options.most_paired]
         kept = {effect.effect: effect.strengths for effect in screened}
+        alone = {fit.names[0]: fit.model.settings for fit in singles}
         # each promising pair, from the better of its two orders, with its expected cost
         promises: dict[frozenset[str], tuple[float, _Added]] = {}
         for first in best[: self.options.most_first]:
@@ -130,7 +132,7 @@ class Refits:
                 cost = first.cost - second.score
                 if key not in promises or cost < promises[key][0]:
                     strengths = kept[first.names[0]] | kept[second.effect]
-                    promises[key] = cost, _Added(first, (second.starts[0],), strengths)
+                    promises[key] = cost, _Added(first, (second.starts[0],), strengths, alone[second.effect])
         # refits, the most promising first; another one that is hopeless beside it ends early
         chosen = sorted(promises.values(), key=lambda promise: promise[0])[: self.options.most_pairs]
         fits: list[JointFit] = []
@@ -276,20 +278,24 @@ class _Added:
         Settings of the added effect from which refits start, the most promising first.
     strengths : frozenset of Strength
         Strengths that are free, of all effects.
+    alone : tuple of EffectSetting
+        Settings of the added effect where it was refitted without the others; empty where it was not.
     """
 
     near: JointFit
     starts: tuple[tuple[EffectSetting, ...], ...]
     strengths: frozenset[Strength]
+    alone: tuple[EffectSetting, ...] = ()
 
     def __str__(self) -> str:
         settings = (*self.near.model.settings, *self.starts[0])
         return " with ".join(dict.fromkeys(setting.effect for setting in settings))
 
     @property
-    def weak(self) -> tuple[EffectSetting, ...]:
-        """The first start with a small share of its strengths: next to the fit itself."""
-        return tuple(setting.weakened(WEAK) for setting in self.starts[0])
+    def other_starts(self) -> tuple[tuple[EffectSetting, ...], ...]:
+        """Where a refit starts that found nothing from ``starts``: next to the fit itself, and as refitted alone."""
+        weak = tuple(setting.weakened(WEAK) for setting in self.starts[0])
+        return (weak, self.alone) if self.alone else (weak,)
 
 
 @dataclass(frozen=True)

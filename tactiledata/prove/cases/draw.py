@@ -149,5 +149,5 @@ def is_of_kind(kind: str, sight: Sight, alone: Sequence[Sight], names: Sequence[
     if kind == PAIRS:
         return all(one.is_visible for one in alone)
     if kind == AMBIGUOUS:
-        return bool(set(sight.alike) - set(names))
+        return bool(set(sight.imitators) - set(names))
     return True

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -16,7 +17,9 @@ LOSS_RATIO = 1.15
 ABSORBED = 0.8
 """Share of the squared change that a refit of E, nu, mu and nuisances absorbs, from which it conceals an effect."""
 ALIKE = 0.98
-"""Cosine from which an effect of the catalogue cannot be told from what is hidden."""
+"""Cosine from which an effect of the catalogue resembles what is hidden."""
+TOLD_APART = 4.0
+"""Signal of what a resembling effect cannot imitate, from which data tell the two apart: evidence of 8."""
 
 
 @dataclass(frozen=True)
@@ -52,6 +55,15 @@ class Sight:
     def is_concealed(self) -> bool:
         """Whether a calibration conceals it: the paper's loss hardly rises, or E, nu and mu absorb most of it."""
         return self.loss_ratio <= LOSS_RATIO or self.absorbed >= ABSORBED
+
+    @property
+    def imitators(self) -> tuple[str, ...]:
+        """Effects that resemble the change so much that data do not tell them apart."""
+        return tuple(
+            name
+            for name, cosine in self.alike.items()
+            if self.signal * math.sqrt(1.0 - min(cosine, 1.0) ** 2) < TOLD_APART
+        )
 
     @property
     def document(self) -> dict[str, Any]:

@@ -82,6 +82,8 @@ def _refuse_foreign(folder: Path) -> None:
         raise NotAStore(f"{folder} is a file", "a folder for a store", "Choose another name.", path=str(folder))
     ours = {".lock", STAGING, "zarr.json"}
     strangers = sorted(place.name for place in folder.iterdir() if place.name not in ours and place.suffix != ".part")
+    if (folder / MANIFEST).exists():
+        return  # another process made the store since the caller looked
     if strangers and has_tables(folder):
         raise not_a_store(str(folder), exists=True)
     if strangers:

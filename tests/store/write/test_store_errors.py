@@ -27,6 +27,21 @@ from tactiledata.store.write.spool import Spool
 from tactiledata.store.write.writer import find_staged, stage
 
 
+def test_a_store_that_another_makes_meanwhile(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where another process makes the store between two looks at a folder, it is that store."""
+    place = tmp_path / "ds.zarr"
+    place.mkdir()
+    look = Path.iterdir
+
+    def made_before(folder: Path):
+        monkeypatch.setattr(Path, "iterdir", look)
+        create(place, SMALL)
+        return look(folder)
+
+    monkeypatch.setattr(Path, "iterdir", made_before)
+    assert create(place, SMALL) == Store.open(place).manifest
+
+
 def test_opening_nothing(tmp_path: Path) -> None:
     """A place that is not there, a folder without manifest, a file: each its own error."""
     with pytest.raises(MissingFile, match="no store"):
