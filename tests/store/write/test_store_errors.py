@@ -28,7 +28,7 @@ from tactiledata.store.write.writer import find_staged, stage
 
 
 def test_a_store_that_another_makes_meanwhile(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where another process makes the store between two looks at a folder, it is that store."""
+    """It is that store where another process makes it between two looks at the folder."""
     place = tmp_path / "ds.zarr"
     place.mkdir()
     look = Path.iterdir
