@@ -293,7 +293,7 @@ class _Added:
 
     @property
     def other_starts(self) -> tuple[tuple[EffectSetting, ...], ...]:
-        """Where a refit starts that found nothing from ``starts``: next to the fit itself, and as refitted alone."""
+        """Return where a refit starts that found nothing from ``starts``: next to the fit, and as refitted alone."""
         weak = tuple(setting.weakened(WEAK) for setting in self.starts[0])
         return (weak, self.alone) if self.alone else (weak,)
 
