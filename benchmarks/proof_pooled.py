@@ -1,18 +1,23 @@
 """The targets of a proof over several sealed proofs that the same rules decided.
 
-    python benchmarks/proof_pooled.py PROOF [PROOF ...] [--picture FILE]
+    python benchmarks/proof_pooled.py PROOF [PROOF ...] [--picture FILE] [--write]
 
-A PROOF is a folder that `tactiledata prove --out` made and answered. Cases of all are scored together, as those of one
+A PROOF is a folder that `tactiledata prove --out` made and answered, or an archive of it that `--publish` made: those
+of the page of the proof lie in docs/proofs. Cases of all are scored together, as those of one
 proof are. Where the command of a proof chose what is hidden (``--effects``), only its worlds without effects are taken:
 the others are no sample. Nothing is computed anew. Whether the proofs had the same rules is not looked at: the table of
 proofs shows their commits. In "over configurations" one of the same name in two proofs counts as one. The picture shows
-which share of single effects is named, by signal and generator.
+which share of single effects is named, by signal and generator. With ``--write`` the page of the proof gets what is
+printed.
 """
 
 from __future__ import annotations
 
 import argparse
+import io
+import re
 from collections.abc import Mapping, Sequence
+from contextlib import redirect_stdout
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -25,7 +30,8 @@ from tactiledata.prove.request import ProofRequest
 from tactiledata.prove.score.score import SIGNALS, met_words, score_of
 from tactiledata.prove.score.scored_case import ScoredCase
 from tactiledata.prove.score.shares import interval_words
-from tactiledata.prove.seal.folder import ProofFolder, read_json
+from tactiledata.prove.seal.folder import read_json
+from tactiledata.prove.seal.published import opened_proof
 from tactiledata.prove.seal.verify import scored_cases
 
 
@@ -138,22 +144,33 @@ def other_rows(score: Mapping[str, Any]) -> list[tuple[str, str]]:
     return rows
 
 
-def main() -> None:
+PAGE = Path(__file__).parents[1] / "docs" / "proof.md"
+HEADER = "the targets over several sealed proofs (simulated recordings)"
+
+
+def with_printed(page: str, printed: str) -> str:
+    """The page with what was printed in place of what it holds: the clauses by themselves, and the whole."""
+    lines = printed.splitlines()
+    start = next(place for place, line in enumerate(lines) if line.startswith(" ") and line.endswith("target"))
+    clauses = "\n".join(lines[start : start + 2 + len(CLAUSES)])
+    for begins, block in ((r" +\S[^\n]* target\n---", clauses), (f"## {re.escape(HEADER)}", "\n".join(lines))):
+        # a function, so that no backslash means anything
+        page = re.sub(rf"```text\n{begins}.*?\n```", lambda _, block=block: f"```text\n{block}\n```", page, flags=re.S)
+    return page
+
+
+def print_all(paths: Sequence[Path], picture: Path | None) -> None:
     """Print the proofs, the targets and what single effects of each signal were answered."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("proofs", type=Path, nargs="+")
-    parser.add_argument("--picture", type=Path, help="a .png to draw")
-    given = parser.parse_args()
     cases: list[ScoredCase] = []
     rows = []
-    for path in given.proofs:
-        folder = ProofFolder(path)
-        request, seal = ProofRequest.of(read_json(folder.proof)["request"]), read_json(folder.seal)
-        answered = scored_cases(folder)
+    for path in paths:
+        with opened_proof(path) as folder:
+            request, seal = ProofRequest.of(read_json(folder.proof)["request"]), read_json(folder.seal)
+            answered = scored_cases(folder)
         taken = pooled(answered, request.only)
         cases += taken
-        rows.append((path.name, seal["tool"]["commit"][:8], seal["root"][:8], f"{len(taken)} of {len(answered)}"))
-    header("the targets over several sealed proofs (simulated recordings)", ("numpy",))
+        rows.append((path.stem, seal["tool"]["commit"][:8], seal["root"][:8], f"{len(taken)} of {len(answered)}"))
+    header(HEADER, ("numpy",))
     table(("proof", "sealed at", "root", "cases taken"), rows)
     head, *clauses = clause_rows(cases)
     table(head, clauses)
@@ -161,8 +178,28 @@ def main() -> None:
     table(("what", "target", "found", "95 % interval", "over configurations", ""), target_rows(score))
     table(("signal of single effects", "named", "named or in the set"), strength_rows(score))
     table(("what", "found"), other_rows(score))
-    if given.picture:
-        draw(given.picture, cases)
+    if picture:
+        draw(picture, cases)
+
+
+def printed_lines(paths: Sequence[Path], picture: Path | None = None) -> str:
+    """What is printed of proofs, without spaces at the ends of lines."""
+    with redirect_stdout(io.StringIO()) as said:
+        print_all(paths, picture)
+    return "\n".join(line.rstrip() for line in said.getvalue().strip().splitlines())
+
+
+def main() -> None:
+    """Print what is asked for, and write it into the page."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("proofs", type=Path, nargs="+")
+    parser.add_argument("--picture", type=Path, help="a .png to draw")
+    parser.add_argument("--write", action="store_true", help="write it into docs/proof.md")
+    given = parser.parse_args()
+    printed = printed_lines(given.proofs, given.picture)
+    print(printed)
+    if given.write:
+        PAGE.write_text(with_printed(PAGE.read_text(), printed))
 
 
 if __name__ == "__main__":

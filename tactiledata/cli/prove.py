@@ -42,13 +42,19 @@ def prove(
     context: typer.Context,
     out: Path = typer.Option(None, "--out", help="Folder of the proof; a proof that it holds is gone on with."),
     verify: Path = typer.Option(
-        None, "--verify", help="Check the proof in this folder, without any simulation; exit 1 where it does not fit."
+        None,
+        "--verify",
+        help="Check the proof in this folder, or in a .zip that --publish made, without any simulation; exit 1 where it"
+        " does not fit.",
     ),
     root: str = typer.Option(None, "--root", help="With --verify: the root that was published before the answers."),
     against: Path = typer.Option(
         None,
         "--against",
         help="With --verify: a copy of the proof that another machine answered; answers are compared.",
+    ),
+    publish: Path = typer.Option(
+        None, "--publish", help="With --verify: write all but the readings into this .zip, for others to check."
     ),
     quick: bool = typer.Option(False, "--quick", help="20 cases of a small plan, in some minutes."),
     generators: str = typer.Option("layer,analytic", "--generators", help="Of layer, analytic, element."),
@@ -99,14 +105,15 @@ def prove(
         others = [
             parameter.name
             for parameter in context.command.params
-            if parameter.name not in ("verify", "root", "against", "as_json")
+            if parameter.name not in ("verify", "root", "against", "publish", "as_json")
         ]
         refuse_given(context, others, "with --verify", "with --out")
         for option, place in (("--verify", verify), ("--against", against)):
-            need_folder(place, option, "a folder that `tactiledata prove --out` made")
-        _verify(ProofFolder(verify), root, None if against is None else ProofFolder(against), as_json)
+            if place is not None and not place.is_file():
+                need_folder(place, option, "a folder that `tactiledata prove --out` made, or a .zip of --publish")
+        _verify(verify, root, against, publish, as_json)
         return
-    refuse_given(context, ["root", "against"], "with --out", "with --verify")
+    refuse_given(context, ["root", "against", "publish"], "with --out", "with --verify")
     if seal_only and again is not None:
         raise UsageError(
             "--again with --seal-only", "one of them", "--seal-only gives no answer; --again gives answers once more."
@@ -233,13 +240,24 @@ def _run(
     say(f"written: {folder.score}, {folder.page}")
 
 
-def _verify(folder: ProofFolder, root: str | None, other: ProofFolder | None, as_json: bool) -> None:
+def _verify(path: Path, root: str | None, other: Path | None, archive: Path | None, as_json: bool) -> None:
     """Check a proof and print what was found; exit with 1 where something does not fit."""
     from tactiledata.prove.seal.compare import compare
+    from tactiledata.prove.seal.published import SUFFIX, opened_proof, publish
     from tactiledata.prove.seal.verify import verify
 
-    found = verify(folder, root, look_for_leaks=True)
-    compared = None if other is None else compare(folder, other)
+    if archive is not None:
+        if archive.suffix.lower() != SUFFIX:
+            raise UsageError(f"--publish {archive}", f"a file name that ends in {SUFFIX}", f"Add {SUFFIX}.")
+        need_writable_folder(archive.parent, archive.name, option="--publish")
+    with opened_proof(path) as folder:
+        found = verify(folder, root, look_for_leaks=True)
+        compared = None
+        if other is not None:
+            with opened_proof(other) as copy:
+                compared = compare(folder, copy)
+        if archive is not None and not found.faults:
+            publish(folder, archive)
     if as_json:
         emit(found.document if compared is None else {**found.document, "compared": compared.document})
     else:
@@ -253,6 +271,8 @@ def _verify(folder: ProofFolder, root: str | None, other: ProofFolder | None, as
             print_score(found.score)
         if compared is not None:
             print_comparison(compared)
+        if archive is not None and not found.faults:
+            say(f"written: {archive} ({archive.stat().st_size} bytes)")
     if found.faults:
         raise typer.Exit(1)
 

@@ -17,6 +17,7 @@ MARKS = {
     ".rrd": b"tactiledata-",
     ".xml": b'<mujoco model="touch">',
     ".yaml": b"tool: tactiledata ",
+    ".zip": b"tactiledata proof",
 }
 """Bytes that files of ours hold, by the ending of their names."""
 LOG, RECORDED = "log.yaml", b"tool: tactiledata rig"

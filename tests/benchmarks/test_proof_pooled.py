@@ -1,14 +1,23 @@
 """Targets over several sealed proofs."""
 
 import json
+import re
 from dataclasses import replace
+from pathlib import Path
 
 import proof_pooled
 import pytest
+from proof_pooled import PAGE, printed_lines, with_printed
 from sealed_proofs import REQUEST, answered_proof
 
 from tactiledata.contract.atomic import write_json_atomic
 from tactiledata.prove.seal.folder import FORMAT
+from tactiledata.prove.seal.published import opened_proof
+from tactiledata.prove.seal.verify import verify
+
+ROOT = Path(__file__).parents[2]
+MACHINE = re.compile(r"\d+ cores, |numpy")
+"""Lines that tell the machine and its packages."""
 
 
 @pytest.fixture
@@ -53,6 +62,28 @@ def test_every_proof_is_told_with_its_root(printed, tmp_path):
         root = json.loads((tmp_path / name / "seal.json").read_text())["root"][:8]
         (row,) = [line for line in printed if line.startswith(f"{name} ")]
         assert row.endswith(f"{root} {taken}")
+
+
+def test_the_page_of_the_proof_is_what_its_archives_give():
+    """The page has what the published proofs give today, the clauses by themselves too; only the machine may differ."""
+    archives = sorted((ROOT / "docs" / "proofs").glob("*.zip"))
+    page = PAGE.read_text()
+    again = with_printed(page, printed_lines(archives))
+    assert [line for line in again.splitlines() if not MACHINE.match(line)] == [
+        line for line in page.splitlines() if not MACHINE.match(line)
+    ]
+    blank = page.replace(" of ", " out of ")
+    assert with_printed(blank, printed_lines(archives)).count(" out of ") < blank.count(" out of ")
+
+
+@pytest.mark.parametrize("archive", sorted((ROOT / "docs" / "proofs").glob("*.zip")), ids=lambda path: path.stem)
+def test_published_proofs_fit_the_roots_that_were_published(archive):
+    """Hashes and score of each archive fit, and its root stands on the page of ensembles."""
+    with opened_proof(archive) as folder:
+        found = verify(folder)
+        assert verify(folder, found.root).faults == ()
+    assert found.cases == found.answers > 0
+    assert found.root in (ROOT / "docs" / "proof-ensembles.md").read_text()
 
 
 def test_effects_are_counted_by_their_signal(printed):

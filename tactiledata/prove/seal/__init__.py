@@ -6,5 +6,6 @@
 `sealing` gives drawn cases random names and writes the seal before any of them is diagnosed.
 `leak` asks whether names, sizes, stamps and order tell what is hidden.
 `verify` checks a proof without any simulator.
+`published` packs all but the readings into one archive, from which others can verify a proof.
 `compare` says how far two copies of a proof agree that were answered on different machines.
 """

@@ -51,9 +51,12 @@ class ProofFolder:
     ----------
     path : Path
         The folder.
+    is_published : bool
+        Whether it was unpacked from a published archive, which holds no readings.
     """
 
     path: Path
+    is_published: bool = False
 
     @property
     def proof(self) -> Path:

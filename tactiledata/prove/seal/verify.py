@@ -122,8 +122,11 @@ def verify(folder: ProofFolder, published: str | None = None, look_for_leaks: bo
         score = score_of(scored_cases(folder))
     except (KeyError, TypeError, ValueError, TactileDataError) as error:
         faults.append(f"No score follows from labels and answers: {type(error).__name__} {error}.")
-    faults += _score_faults(folder, score, sorted(cases))
-    notes += _leak_notes(folder) if look_for_leaks and not faults else []
+    faults += _score_faults(folder, score, seal)
+    if folder.is_published:
+        notes.append("Readings are not in the archive: whether they fit their digests was not looked at.")
+    elif look_for_leaks and not faults:
+        notes += _leak_notes(folder)
     return Verification(tuple(faults), tuple(notes), len(cases), len(answered), str(seal["root"]), score)
 
 
@@ -175,7 +178,8 @@ def _label_faults(labels: Mapping[str, Any], cases: Mapping[str, Any]) -> list[s
 def _case_faults(folder: ProofFolder, seal: Mapping[str, Any]) -> list[str]:
     """Return which cases do not fit their digests, and whether all of them fit the root."""
     faults = []
-    for name, one in sorted(seal["cases"].items()):
+    # a published archive has no readings: the root has their digests all the same
+    for name, one in () if folder.is_published else sorted(seal["cases"].items()):
         path = folder.case(name)
         if not path.is_file():
             faults.append(f"The readings of case {name} are missing.")
@@ -222,13 +226,15 @@ def _answer_faults(folder: ProofFolder, seal: Mapping[str, Any]) -> tuple[list[s
     return faults, notes
 
 
-def _score_faults(folder: ProofFolder, score: Mapping[str, Any] | None, names: list[str]) -> list[str]:
+def _score_faults(folder: ProofFolder, score: Mapping[str, Any] | None, seal: Mapping[str, Any]) -> list[str]:
     """Return whether the score that is kept follows from labels and answers."""
     if not folder.score.is_file():
         return []
     kept, is_whole = read_sealed(folder.score)
     faults = [] if is_whole else ["score.json is not as it was written: its digest does not fit its bytes."]
-    if kept.get("answers_root") != answers_root(folder, names):
+    if (kept.get("root"), kept.get("tool")) != (seal["root"], seal["tool"]["digest"]):
+        faults.append("score.json is that of other cases, or of another tool: seal.json has other digests of them.")
+    if kept.get("answers_root") != answers_root(folder, sorted(seal["cases"])):
         faults.append("The answers are not those that were scored: their root in score.json differs.")
     if score is not None and digest_of(kept.get("score")) != digest_of(score):
         faults.append("The score in score.json does not follow from labels and answers.")
