@@ -281,12 +281,13 @@ class ScoredCandidate:
         return tuple(reasons)
 
     def is_whole_cause(self, thresholds: DecisionThresholds) -> bool:
-        """Whether the effect is decisive, errors of the simulation do not resemble it, and it leaves next to nothing.
+        """Whether the effect is decisive, no error of the simulation shows as it does, and it leaves next to nothing.
 
-        Such an effect is named whatever its strength: a range is an estimate of what is usual.
+        Such an effect is named whatever its strength: a range is an estimate of what is usual. Errors of the simulation
+        do not resemble it, or it shows as none of them does (`is_confirmed`).
         """
         return (
-            not thresholds.is_resembled(self.names)
+            (not thresholds.is_resembled(self.names) or self.is_confirmed(thresholds))
             and self.is_decisive(thresholds)
             and self.excess_share >= thresholds.whole_cause_share
         )

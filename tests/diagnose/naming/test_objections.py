@@ -192,6 +192,29 @@ def test_what_is_not_confirmed_everywhere_needs_all(less):
     assert "can bring up to" in one.objections(T)[0]
 
 
+def test_what_is_confirmed_may_be_the_whole_cause():
+    """An effect that errors resemble is named whatever its strength only where it shows as none of them does."""
+    odd = {"implausible": ("arm_compliance translation = 1 m/N",), "excess_share": T.whole_cause_share}
+    assert candidate(LIKE_ERRORS, **CONFIRMED, **odd).objections(T) == ()
+    less = {**CONFIRMED, "indenter_gain": 0.99 * T.gain_sigmas}
+    (said,) = candidate(LIKE_ERRORS, **less, **odd).objections(T)
+    assert "not plausible" in said
+
+
+def test_cross_talk_that_touches_do_not_agree_on_may_be_an_error_of_the_simulation():
+    """With errors of 2.8 times the usual size an evidence of 180 is enough only where all touches confirm it.
+
+    So it was in a world without effects: 60 touches, an agreement of 3.7, a gain of less than one standard error.
+    """
+    large = T.for_data(60)
+    null = {"error_size": 2.75, "signature_before": 3.7, "gains": scattered(118.0, 0.82), "indenter_gain": 261.0}
+    found = with_evidence("gain_crosstalk", 176.0, **null, indenter_error=62.0)
+    assert "can bring up to" in found.objections(large)[0]
+    assert "can bring" not in str(
+        with_evidence("gain_crosstalk", 176.0, **CONFIRMED, error_size=2.75).objections(large)
+    )
+
+
 def test_other_effects_and_pairs_need_all_evidence_however_well_confirmed():
     """Errors of the simulation are not what an effect that they do not resemble must stand out from."""
     assert candidate(LIKE_ERRORS, **CONFIRMED).is_confirmed(T)
