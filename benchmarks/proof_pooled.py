@@ -1,14 +1,15 @@
 """The targets of a proof over several sealed proofs that the same rules decided.
 
-    python benchmarks/proof_pooled.py PROOF [PROOF ...] [--picture FILE] [--write]
+    python benchmarks/proof_pooled.py PROOF [PROOF ...] [--picture FILE]
+    python benchmarks/proof_pooled.py --write
 
 A PROOF is a folder that `tactiledata prove --out` made and answered, or an archive of it that `--publish` made: those
 of the page of the proof lie in docs/proofs. Cases of all are scored together, as those of one
 proof are. Where the command of a proof chose what is hidden (``--effects``), only its worlds without effects are taken:
 the others are no sample. Nothing is computed anew. Whether the proofs had the same rules is not looked at: the table of
 proofs shows their commits. In "over configurations" one of the same name in two proofs counts as one. The picture shows
-which share of single effects is named, by signal and generator. With ``--write`` the page of the proof gets what is
-printed.
+which share of single effects is named, by signal and generator. With ``--write`` the pages of the proof get what
+the commands print that stand on them.
 """
 
 from __future__ import annotations
@@ -144,19 +145,32 @@ def other_rows(score: Mapping[str, Any]) -> list[tuple[str, str]]:
     return rows
 
 
-PAGE = Path(__file__).parents[1] / "docs" / "proof.md"
+ROOT = Path(__file__).parents[1]
+PAGES = (ROOT / "docs" / "proof.md", ROOT / "docs" / "proof-ensembles.md")
 HEADER = "the targets over several sealed proofs (simulated recordings)"
+COMMAND = re.compile(
+    r"(`python benchmarks/proof_pooled\.py (?P<archives>docs/proofs/\S+\.zip(?: docs/proofs/\S+\.zip)*)[ `].*?"
+    r"\n```text\n)(?P<block>.*?)\n```",
+    re.DOTALL,
+)
+"""A command on a page that names archives, and the block below it that holds what it prints."""
+CLAUSE_BLOCK = re.compile(r"```text\n +\S[^\n]* target\n---.*?\n```", re.DOTALL)
 
 
-def with_printed(page: str, printed: str) -> str:
-    """The page with what was printed in place of what it holds: the clauses by themselves, and the whole."""
-    lines = printed.splitlines()
+def written_anew(page: str) -> str:
+    """The page with what its commands print today; the clauses of the first, which stand by themselves, as well."""
+    printed = {
+        found["archives"]: printed_lines([ROOT / archive for archive in found["archives"].split()])
+        for found in COMMAND.finditer(page)
+    }
+    if not printed:
+        return page
+    lines = next(iter(printed.values())).splitlines()
     start = next(place for place, line in enumerate(lines) if line.startswith(" ") and line.endswith("target"))
     clauses = "\n".join(lines[start : start + 2 + len(CLAUSES)])
-    for begins, block in ((r" +\S[^\n]* target\n---", clauses), (f"## {re.escape(HEADER)}", "\n".join(lines))):
-        # a function, so that no backslash means anything
-        page = re.sub(rf"```text\n{begins}.*?\n```", lambda _, block=block: f"```text\n{block}\n```", page, flags=re.S)
-    return page
+    # functions, so that no backslash means anything
+    page = CLAUSE_BLOCK.sub(lambda _: f"```text\n{clauses}\n```", page)
+    return COMMAND.sub(lambda found: f"{found[1]}{printed[found['archives']]}\n```", page)
 
 
 def print_all(paths: Sequence[Path], picture: Path | None) -> None:
@@ -190,16 +204,16 @@ def printed_lines(paths: Sequence[Path], picture: Path | None = None) -> str:
 
 
 def main() -> None:
-    """Print what is asked for, and write it into the page."""
+    """Print what is asked for, or write the pages anew."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("proofs", type=Path, nargs="+")
+    parser.add_argument("proofs", type=Path, nargs="*")
     parser.add_argument("--picture", type=Path, help="a .png to draw")
-    parser.add_argument("--write", action="store_true", help="write it into docs/proof.md")
+    parser.add_argument("--write", action="store_true", help="write the pages anew whose commands name archives")
     given = parser.parse_args()
-    printed = printed_lines(given.proofs, given.picture)
-    print(printed)
-    if given.write:
-        PAGE.write_text(with_printed(PAGE.read_text(), printed))
+    if given.proofs:
+        print(printed_lines(given.proofs, given.picture))
+    for page in PAGES if given.write else ():
+        page.write_text(written_anew(page.read_text()))
 
 
 if __name__ == "__main__":
