@@ -19,7 +19,7 @@ from tactiledata.diagnose.answer.unseen_page import (
     worst_picture,
 )
 from tactiledata.diagnose.locate.locate import LocatorResults
-from tactiledata.diagnose.naming.decide import objections_to
+from tactiledata.diagnose.naming.beside import objections_to
 from tactiledata.diagnose.naming.evidence import ScoredCandidate
 from tactiledata.diagnose.naming.intervals import ProfiledInterval
 from tactiledata.diagnose.naming.name_effects import NamingResult

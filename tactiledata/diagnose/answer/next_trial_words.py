@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from tactiledata.diagnose.naming.rivals import NO_CLAIM, NOTHING
 from tactiledata.diagnose.next_trial.bench import closed_form
 from tactiledata.diagnose.next_trial.cases import duration
 from tactiledata.diagnose.next_trial.propose import SEPARATED, Proposal, Separation
+from tactiledata.diagnose.next_trial.rivals import NO_CLAIM, NOTHING
 from tactiledata.diagnose.next_trial.scenario import Entries, trial_scenario
 from tactiledata.diagnose.residuals.residuals import joined_names
 from tactiledata.diagnose.residuals.wording import rounded

@@ -16,11 +16,12 @@ Read in this order:
    than noise.
 6. `agreement`: how well trajectories agree on an effect, and whether its strength changes with time. `evidence`:
    gain, evidence and signature of a candidate, and the objections to it. `thresholds`: the evidence that a claim of
-   each effect needs, the other numbers of a claim, and where they come from. `decide`: the answer: a claim, a trace
-   (below detection), or nothing. `ties`: effects that these data cannot tell from it.
+   each effect needs, the other numbers of a claim, and where they come from. `beside`: what an effect adds beside
+   another one. `decide`: the answer: a claim, a trace (below detection), or nothing. `ties`: effects that these data
+   cannot tell from it.
 7. `intervals`, `identifiability`, `simulator_share`: how certain the numbers are, what these data could show at all,
    what the fit attributes to errors of the simulation.
-8. `options`, `name_effects`: the choices, and all steps in order. `rivals`: which explanations the answer leaves open.
+8. `options`, `name_effects`: the choices, and all steps in order.
    `full_plays`: effects named again once the gels on which an answer could rest are played in full.
 
 Of `diagnose`, this folder imports `touches`, `verdict` and, from `residuals`, names, words and a bound of rounding. It

@@ -19,7 +19,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tactiledata.arrays import Array
-from tactiledata.diagnose.naming.evidence import MOST_INFLUENTIAL, ScoredCandidate, error_of_sum
+from tactiledata.diagnose.naming.beside import is_far_ahead, needed_of, stands_beside, stands_beside_larger
+from tactiledata.diagnose.naming.evidence import ScoredCandidate
 from tactiledata.diagnose.naming.metric import RandomEffects
 from tactiledata.diagnose.naming.remaining_structure import RemainingStructure
 from tactiledata.diagnose.naming.thresholds import DecisionThresholds
@@ -134,17 +135,22 @@ def _decided(
     # the first single without objections, unless one that is objected to has far more beyond, and explains it as well
     best = next((single for single in ranked if not single.objections(thresholds)), None)
     if best is not None:
-        before = [one for one in ranked[: ranked.index(best)] if _is_far_ahead(one, best, thresholds)]
-        is_behind = any(not _stands_beside(best, one, pairs, thresholds) for one in before)
+        before = [one for one in ranked[: ranked.index(best)] if is_far_ahead(one, best, thresholds)]
+        is_behind = any(not stands_beside(best, one, pairs, thresholds) for one in before)
         best = None if is_behind else special_case_of(best, ranked, metric, thresholds)
     # a pair replaces it where both of its effects are needed
     needed = [needed_of(pair, singles, thresholds) for pair in pairs if not pair.objections(thresholds)]
     best = max((*([best] if best is not None else []), *needed), key=_evidence, default=None)
     # an effect that removes the smaller part of what is beyond the noise may stand in for something else, above all
-    # one that resembles errors of the simulation
+    # one that resembles errors of the simulation; unless these explain the larger part, and it keeps its own beside it
     is_more_than_noise = left.without_worst_two > thresholds.noise_dispersion and not left.is_in_few(thresholds)
-    is_small = best is not None and best.excess_share < thresholds.cause_share(best.names)
-    if best is not None and is_more_than_noise and is_small and not best.is_decisive(thresholds):
+    is_small = (
+        best is not None
+        and best.excess_share < thresholds.cause_share(best.names)
+        and not best.is_decisive(thresholds)
+        and not stands_beside_larger(best, ranked, pairs, thresholds)
+    )
+    if best is not None and is_more_than_noise and is_small:
         return Decision(
             Verdict.NOT_EXPLAINED, best, (), {},
             (
@@ -181,135 +187,6 @@ def _decided(
         objections = trace.objections(thresholds)
         return Decision(Verdict.BELOW_DETECTION, trace, ties, {}, objections, left, is_left)
     return Decision(Verdict.NOTHING_FOUND, hint, (), {}, objections, left, is_left)
-
-
-def needed_of(
-    pair: ScoredCandidate, singles: Sequence[ScoredCandidate], thresholds: DecisionThresholds
-) -> ScoredCandidate:
-    """Return a pair, or the one of its two effects that suffices where the other adds too little.
-
-    An effect suffices where there are objections to the other one beside it (`objections_beside`). One with an
-    implausible strength suffices only as the whole cause. Where either effect suffices, the one with more evidence is
-    returned.
-
-    Parameters
-    ----------
-    pair : ScoredCandidate
-        Candidate with two effects.
-    singles : sequence of ScoredCandidate
-        Candidates with one effect, both effects of the pair among them.
-    thresholds : DecisionThresholds
-        What a claim needs.
-    """
-    first, second = (next(single for single in singles if single.names == (name,)) for name in pair.names)
-    sufficient = [
-        one
-        for one, other in ((first, second), (second, first))
-        if (not one.implausible or one.is_whole_cause(thresholds)) and objections_beside(pair, one, other, thresholds)
-    ]
-    return max(sufficient, key=_evidence, default=pair)
-
-
-def objections_to(
-    candidate: ScoredCandidate, singles: Sequence[ScoredCandidate], thresholds: DecisionThresholds
-) -> tuple[str, ...]:
-    """Return sentences that say why a candidate is not claimed: of a pair, also why one of its effects suffices.
-
-    Parameters
-    ----------
-    candidate : ScoredCandidate
-        Candidate with one effect or two.
-    singles : sequence of ScoredCandidate
-        Candidates with one effect; both effects of a pair are among them.
-    thresholds : DecisionThresholds
-        What a claim needs.
-    """
-    objections = candidate.objections(thresholds)
-    if objections or len(candidate.names) < 2:
-        return objections
-    needed = needed_of(candidate, singles, thresholds)
-    if needed is candidate:
-        return ()
-    other = next(one for one in singles if set(one.names) == set(candidate.names) - set(needed.names))
-    return objections_beside(candidate, needed, other, thresholds)
-
-
-def objections_beside(
-    pair: ScoredCandidate, first: ScoredCandidate, second: ScoredCandidate, thresholds: DecisionThresholds
-) -> tuple[str, ...]:
-    """Return sentences on why the second effect of a pair adds too little beside the first; empty where it adds enough.
-
-    What it adds is the evidence of the pair less that of the first effect alone. There are four objections. Errors of
-    the simulation can bring as much: it is below the evidence that a claim of the second effect needs. A first effect
-    whose form is a little off can leave as much: it is below ``second_share`` times the evidence of the first effect,
-    or below ``remainder_share`` times that of either effect alone. Errors of the simulation resemble the second effect,
-    and trajectories do not agree on it beside the first by ``signature_threshold``: such errors differ from touch to
-    touch, but bring evidence and gains. Trajectories that were held out do not confirm it (`_confirms_second`).
-
-    Parameters
-    ----------
-    pair : ScoredCandidate
-        Candidate with two effects.
-    first, second : ScoredCandidate
-        Candidates with one of these effects each.
-    thresholds : DecisionThresholds
-        What a claim needs.
-    """
-    name = second.names[0]
-    beside = f"beside {EFFECTS[first.names[0]]().title}, {EFFECTS[name]().title}"
-    adds, needs = pair.evidence - first.evidence, thresholds.with_errors(pair.error_size).claim(name)
-    reasons = []
-    if adds < needs:
-        reasons.append(
-            f"{beside} adds an evidence of {adds:.1f}, and errors of the simulation alone can bring up to {needs:.0f}"
-        )
-    elif adds < max(
-        thresholds.second_share * first.evidence, thresholds.remainder_share * min(first.evidence, second.evidence)
-    ):
-        reasons.append(f"{beside} adds an evidence of {adds:.1f} only, which the first can bring if its form is off")
-    agrees = pair.agreement_beside.get(name, np.inf)
-    if agrees < thresholds.signature_threshold and thresholds.is_resembled((name,)):
-        reasons.append(f"{beside} is not what the trajectories agree on ({agrees:.1f} standard errors)")
-    if not _confirms_second(pair, first, needs, thresholds):
-        reasons.append(f"{beside} is not confirmed by held-out trajectories")
-    return tuple(reasons)
-
-
-def _confirms_second(
-    pair: ScoredCandidate, single: ScoredCandidate, needs: float, thresholds: DecisionThresholds
-) -> bool:
-    """Return whether held-out trajectories are predicted better with the second effect than with the other one alone.
-
-    The gain of the pair less that of the single is positive, and has ``gain_sigmas`` standard errors; or the evidence
-    that a claim of the second needs is added without the two trajectories that add most.
-    """
-    gains = pair.gains - single.gains
-    added = np.sort(pair.evidence_per_trajectory - single.evidence_per_trajectory)[:-MOST_INFLUENTIAL]
-    is_more = gains.sum() >= thresholds.gain_sigmas * error_of_sum(gains)
-    return bool(gains.sum() > 0 and (is_more or added.sum() >= needs))
-
-
-def _is_far_ahead(one: ScoredCandidate, best: ScoredCandidate, thresholds: DecisionThresholds) -> bool:
-    """Return whether an effect has more evidence beyond its need than another, by more than the margin of a tie."""
-    margin = thresholds.tie_margin(one.evidence, (*one.names, *best.names))
-    return one.beyond(thresholds) - best.beyond(thresholds) > margin
-
-
-def _stands_beside(
-    best: ScoredCandidate, other: ScoredCandidate, pairs: Sequence[ScoredCandidate], thresholds: DecisionThresholds
-) -> bool:
-    """Return whether an effect is there whatever another one is that only looks like errors of the simulation.
-
-    Such errors can bring all the evidence of the other effect, and do not resemble the first one. Beside the other, in
-    a refit of both, the first one keeps ``remainder_share`` of its evidence, and the evidence that it needs.
-    """
-    if thresholds.is_resembled(best.names) or not thresholds.is_resembled(other.names):
-        return False
-    pair = next((pair for pair in pairs if set(pair.names) == {*best.names, *other.names}), None)
-    if pair is None or other.evidence >= other.needed(thresholds):
-        return False
-    needed = thresholds.with_errors(pair.error_size).needed(best.names)
-    return pair.evidence - other.evidence >= max(needed, thresholds.remainder_share * best.evidence)
 
 
 def _evidence(candidate: ScoredCandidate) -> float:

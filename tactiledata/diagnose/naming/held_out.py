@@ -180,3 +180,29 @@ def _rows(whitened: WhitenedTouches) -> list[slice]:
     return [
         slice(start, start + count) for start, count in zip(whitened.starts, whitened.touch_set.counts, strict=True)
     ]
+
+
+@dataclass(frozen=True)
+class HeldOutTask:
+    """A fit whose held-out squares a worker can compute.
+
+    Parameters
+    ----------
+    whitened : WhitenedTouches
+        Trajectories.
+    fit : JointFit
+        Fit to them.
+    seed : int
+        Random seed of the folds.
+    """
+
+    whitened: WhitenedTouches
+    fit: JointFit
+    seed: int
+
+    def __str__(self) -> str:
+        return f"held-out trajectories of {' with '.join(self.fit.names)}"
+
+    def costs(self) -> GroupedCosts:
+        """Return the squares; workers execute this function."""
+        return held_out(self.whitened, self.fit, self.seed)

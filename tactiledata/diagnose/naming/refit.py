@@ -10,10 +10,11 @@ import numpy as np
 from tactiledata.compute.base import Scheduler
 from tactiledata.compute.local import LocalScheduler
 from tactiledata.diagnose.naming.agreement import Agreement, agreement, strength_trend
+from tactiledata.diagnose.naming.beside import pairs_in_question
 from tactiledata.diagnose.naming.decide import Decision, decide
 from tactiledata.diagnose.naming.error_sizes import estimated_sizes, typical_size
 from tactiledata.diagnose.naming.evidence import ScoredCandidate, score_candidate
-from tactiledata.diagnose.naming.held_out import GroupedCosts, held_out
+from tactiledata.diagnose.naming.held_out import GroupedCosts, HeldOutTask, held_out
 from tactiledata.diagnose.naming.intervals import range_checks
 from tactiledata.diagnose.naming.joint_fit import JointFit
 from tactiledata.diagnose.naming.kept_fits import FitRequest, KeptFits
@@ -149,28 +150,16 @@ class Refits:
         the dispersion that the best fit leaves there. Where a pair is named, refits in which another effect replaces
         one of the two are scored as well: those that explain the data as well become ties.
         """
-        seed, thresholds = self.options.seed, self.thresholds
-        # held-out squares of every fit, and the dispersion that the best one leaves
+        # held-out squares of every fit
         self.progress("held-out trajectories and indenters")
-        base_out = self.reference or held_out(self.whitened, self.base, seed)
+        base_out = self.reference or held_out(self.whitened, self.base, self.options.seed)
         outs = self._held_out([*singles, *pairs])
-        expected = self.whitened.expected
-        least = min((out.by_trajectory for out in (base_out, *outs)), key=np.sum)
-        left = RemainingStructure.of(least, expected, [case.name for case in self.whitened.touch_set.touches])
-        dispersion = max(1.0, left.dispersion)
-
-        def score_of(fit: JointFit, out: GroupedCosts) -> ScoredCandidate:
-            # what an effect explains is no error of the simulation
-            size = typical_size(estimated_sizes(self.whitened, fit))
-            scored = score_candidate(self.base, fit, base_out, out, float(expected.sum()), dispersion, size)
-            return replace(with_penalty(scored, self.size_penalty / dispersion), trend=self.trend(fit))
-
-        # scores and decision
-        scored = [score_of(fit, out) for fit, out in zip((*singles, *pairs), outs, strict=True)]
-        scored[len(singles) :] = [self._with_agreement(pair, singles) for pair in scored[len(singles) :]]
-        gains = {candidate.label: candidate.gains for candidate in scored}
-        decision = decide(scored[: len(singles)], scored[len(singles) :], gains, self.base.metric, left, thresholds)
-        best = decision.best
+        scored, decision, score_of = self._judged(singles, pairs, base_out, outs)
+        more = self._in_question(scored[: len(singles)], scored[len(singles) :])
+        if more:
+            pairs, outs = [*pairs, *more], [*outs, *self._held_out(more)]
+            scored, decision, score_of = self._judged(singles, pairs, base_out, outs)
+        best, thresholds = decision.best, self.thresholds
         if best is None or len(decision.claimed) < 2:
             return scored, decision
         # ties of a named pair
@@ -184,6 +173,46 @@ class Refits:
         known = {frozenset(candidate.names) for candidate in scored}
         scored += [substitute for _, substitute in substitutes if frozenset(substitute.names) not in known]
         return scored, replace(decision, ties=ties)
+
+    def _judged(
+        self,
+        singles: Sequence[JointFit],
+        pairs: Sequence[JointFit],
+        base_out: GroupedCosts,
+        outs: Sequence[GroupedCosts],
+    ) -> tuple[list[ScoredCandidate], Decision, Callable[[JointFit, GroupedCosts], ScoredCandidate]]:
+        """Return the scores of refits, the answer without ties of two, and what scores a further refit.
+
+        Parameters
+        ----------
+        base_out, outs : GroupedCosts
+            Held-out squares of the plain simulation, and of each refit, singles first.
+        """
+        thresholds, expected = self.thresholds, self.whitened.expected
+        # the dispersion that the best one leaves
+        least = min((out.by_trajectory for out in (base_out, *outs)), key=np.sum)
+        left = RemainingStructure.of(least, expected, [case.name for case in self.whitened.touch_set.touches])
+        dispersion = max(1.0, left.dispersion)
+
+        def score_of(fit: JointFit, out: GroupedCosts) -> ScoredCandidate:
+            # what an effect explains is no error of the simulation
+            size = typical_size(estimated_sizes(self.whitened, fit))
+            scored = score_candidate(self.base, fit, base_out, out, float(expected.sum()), dispersion, size)
+            return replace(with_penalty(scored, self.size_penalty / dispersion), trend=self.trend(fit))
+
+        scored = [score_of(fit, out) for fit, out in zip((*singles, *pairs), outs, strict=True)]
+        scored[len(singles) :] = [self._with_agreement(pair, singles) for pair in scored[len(singles) :]]
+        gains = {candidate.label: candidate.gains for candidate in scored}
+        decision = decide(scored[: len(singles)], scored[len(singles) :], gains, self.base.metric, left, thresholds)
+        return scored, decision, score_of
+
+    def _in_question(self, singles: Sequence[ScoredCandidate], pairs: Sequence[ScoredCandidate]) -> list[JointFit]:
+        """Return refits of pairs that decide on a name and were not among the promising ones (`pairs_in_question`)."""
+        asked = []
+        for larger, smaller in pairs_in_question(singles, pairs, self.thresholds):
+            strengths = larger.fit.model.strengths | smaller.fit.model.strengths
+            asked.append(_Added(larger.fit, (smaller.fit.model.settings,), strengths))
+        return [fit for fit in self._with_added(asked, np.inf) if fit is not None]
 
     def _with_agreement(self, pair: ScoredCandidate, singles: Sequence[JointFit]) -> ScoredCandidate:
         """Pair with the signature statistic of each effect beside the refit of the other one alone.
@@ -253,8 +282,8 @@ class Refits:
 
     def _held_out(self, fits: Sequence[JointFit]) -> list[GroupedCosts]:
         """Held-out squares of each fit."""
-        tasks = [_HeldOut(self.whitened, fit, self.options.seed) for fit in fits]
-        return [outcome.value for outcome in self.runner.outcomes(_HeldOut.costs, tasks)]
+        tasks = [HeldOutTask(self.whitened, fit, self.options.seed) for fit in fits]
+        return [outcome.value for outcome in self.runner.outcomes(HeldOutTask.costs, tasks)]
 
     def _request(self, one: _Added, start: Sequence[EffectSetting], to_beat: float) -> FitRequest:
         """Request of a joint fit from start values of the added effect; ``to_beat`` as in `joint_fit`."""
@@ -296,22 +325,6 @@ class _Added:
         """Return where a refit starts that found nothing from ``starts``: next to the fit, and as refitted alone."""
         weak = tuple(setting.weakened(WEAK) for setting in self.starts[0])
         return (weak, self.alone) if self.alone else (weak,)
-
-
-@dataclass(frozen=True)
-class _HeldOut:
-    """A fit whose held-out squares a worker can compute."""
-
-    whitened: WhitenedTouches
-    fit: JointFit
-    seed: int
-
-    def __str__(self) -> str:
-        return f"held-out trajectories of {' with '.join(self.fit.names)}"
-
-    def costs(self) -> GroupedCosts:
-        """Return the squares; workers execute this function."""
-        return held_out(self.whitened, self.fit, self.seed)
 
 
 def _cost_to_beat(fits: Sequence[JointFit]) -> float:

@@ -3,6 +3,7 @@
 Where several explanations are left, each proposed trial is played before anything is recorded, and judged by how far it
 would separate them. Read the modules in this order:
 
+- `rivals`: which explanations does the answer leave open?
 - `trial`: what is a trial, and what are the steps of its touches?
 - `bench`: on which rig would it be recorded, with which indenters, how deep and where?
 - `kinds`: which trials are tried?

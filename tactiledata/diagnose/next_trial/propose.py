@@ -9,11 +9,11 @@ import numpy as np
 
 from tactiledata.arrays import Array
 from tactiledata.diagnose.naming.name_effects import NamingResult
-from tactiledata.diagnose.naming.rivals import Pair, Rivals, rivals_of
 from tactiledata.diagnose.next_trial.bench import TrialBench
 from tactiledata.diagnose.next_trial.cases import trial_cases
 from tactiledata.diagnose.next_trial.distance import Recorded, TrialRows, error_probability, square_with
 from tactiledata.diagnose.next_trial.kinds import TRIALS
+from tactiledata.diagnose.next_trial.rivals import Pair, Rivals, rivals_of
 from tactiledata.diagnose.next_trial.trial import Trial
 from tactiledata.diagnose.touches.touch_case import BaseFamily
 from tactiledata.diagnose.touches.whitened import WhitenedTouches

@@ -69,39 +69,6 @@ def test_far_more_of_what_cannot_be_claimed_takes_a_claim_away():
         assert decided([best, other]).verdict is verdict
 
 
-def beside_a_leader(share, leader="static_friction", best="lag", times=0.9, errors=3.0):
-    """What is claimed of an effect beside a leader that has twice its evidence and cannot be claimed.
-
-    The leader has so many times the evidence that it needs beside large errors of the simulation. In a refit of both,
-    beside errors of some size, the effect adds a share of its evidence; ``None`` where there is no such refit.
-    """
-    large = {"error_size": 3.0, "implausible": ("x = 3 s",)}
-    ahead = with_evidence(leader, times * T.with_errors(3.0).claim("static_friction"), change=along(0), **large)
-    behind = with_evidence(best, ahead.evidence / 2, change=along(1))
-    assert ahead.objections(T)
-    assert not behind.objections(T)
-    pairs = []
-    if share is not None:
-        large["error_size"] = errors
-        pairs = [with_evidence((leader, best), ahead.evidence + share * behind.evidence, change=along(2), **large)]
-    return decided([ahead, behind], pairs).claimed
-
-
-def test_what_looks_like_errors_takes_no_name_from_an_effect_that_stands_beside_it():
-    """A lag is named though static friction has more evidence, if errors can bring that and the lag adds to it."""
-    little, much = 0.9 * T.remainder_share, 1.1 * T.remainder_share
-    assert beside_a_leader(much) == ("lag",)
-    assert beside_a_leader(little) == ()
-    assert beside_a_leader(None) == ()
-    # errors beside the two can bring what the lag adds
-    assert beside_a_leader(much, errors=60.0) == ()
-    # errors do not bring the evidence of the leader
-    assert beside_a_leader(much, times=1.1) == ()
-    assert beside_a_leader(much, leader="relaxation") == ()
-    # errors resemble the effect as well
-    assert beside_a_leader(much, best="skin") == ()
-
-
 def test_a_penalty_is_shared_by_the_trajectories():
     """Half of the evidence is taken from each trajectory; without the two best, 23 of 25 parts of the half remain."""
     one = with_evidence(EASY, 100.0)

@@ -10,7 +10,7 @@ from tactiledata.diagnose.naming import intervals
 from tactiledata.diagnose.naming.intervals import IntervalRequest, profiled_intervals
 from tactiledata.diagnose.naming.name_effects import name_effects
 from tactiledata.diagnose.naming.options import NamingOptions
-from tactiledata.diagnose.naming.rivals import rivals_of
+from tactiledata.diagnose.next_trial.rivals import rivals_of
 from tactiledata.diagnose.touches.touch_case import TouchSet
 from tactiledata.diagnose.unseen import errors
 from tactiledata.diagnose.verdict import Verdict

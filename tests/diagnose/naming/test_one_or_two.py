@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from candidates import EASY, HARD, MUCH, OTHER_EASY, candidate, decided, scattered, with_evidence
 
-from tactiledata.diagnose.naming.decide import needed_of, objections_beside, objections_to
+from tactiledata.diagnose.naming.beside import needed_of, objections_beside, objections_to
 from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
 from tactiledata.effects import EFFECTS
 

@@ -12,12 +12,12 @@ from tactiledata.contract.schema import load_schema
 from tactiledata.diagnose.answer.next_trial_words import next_trial_sentences, next_trials_document
 from tactiledata.diagnose.naming.name_effects import name_effects
 from tactiledata.diagnose.naming.options import NamingOptions
-from tactiledata.diagnose.naming.rivals import NO_CLAIM, NOTHING, Pair, Rival, Rivals, rivals_of
 from tactiledata.diagnose.next_trial.bench import TrialBench
 from tactiledata.diagnose.next_trial.cases import trial_cases
 from tactiledata.diagnose.next_trial.distance import Recorded, TrialRows, error_probability, square_with
 from tactiledata.diagnose.next_trial.kinds import TRIALS, hold, slides
 from tactiledata.diagnose.next_trial.propose import SEPARATED, propose_trials, ranked_trials
+from tactiledata.diagnose.next_trial.rivals import NO_CLAIM, NOTHING, Pair, Rival, Rivals, rivals_of
 from tactiledata.diagnose.next_trial.scenario import trial_scenario
 from tactiledata.diagnose.touches.touch_case import TouchSet
 from tactiledata.diagnose.touches.whitened import WhitenedTouches

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from tied_worlds import NOISE, START, fitted, recorded
 
-from tactiledata.diagnose.naming.rivals import Pair, Rival, Rivals
 from tactiledata.diagnose.next_trial.bench import TrialBench, closed_form
 from tactiledata.diagnose.next_trial.cases import trial_cases
 from tactiledata.diagnose.next_trial.kinds import hold, hold_then_slide, rate_ladder
 from tactiledata.diagnose.next_trial.propose import ranked_trials
+from tactiledata.diagnose.next_trial.rivals import Pair, Rival, Rivals
 from tactiledata.diagnose.next_trial.scenario import trial_scenario
 from tactiledata.diagnose.next_trial.trial import Trial, TrialTouch, press, retreat, shear
 from tactiledata.diagnose.touches.touch_case import TouchSet
