@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from tactiledata.diagnose.naming.evidence import MOST_INFLUENTIAL, ScoredCandidate, error_of_sum
+from tactiledata.diagnose.naming.metric import RandomEffects, best_imitation
 from tactiledata.diagnose.naming.thresholds import DecisionThresholds
 from tactiledata.effects import EFFECTS
 
@@ -155,6 +156,32 @@ def stands_beside(
         return False
     needed = thresholds.with_errors(pair.error_size).needed(best.names)
     return pair.evidence - other.evidence >= max(needed, thresholds.remainder_share * best.evidence)
+
+
+def is_wider_by_errors(
+    wider: ScoredCandidate, best: ScoredCandidate, metric: RandomEffects, thresholds: DecisionThresholds
+) -> bool:
+    """Return whether an effect contains another one, and has no more evidence beyond it than errors can bring.
+
+    It has more numbers, could change what the other one changes (cosine above ``tie``), and errors of the simulation
+    resemble it: they speak for the wider effect, whatever of it is there.
+
+    Parameters
+    ----------
+    wider, best : ScoredCandidate
+        The wider effect, and the other one.
+    metric : RandomEffects
+        Metric of the plain fit.
+    thresholds : DecisionThresholds
+        What a claim needs.
+    """
+    brought = thresholds.with_errors(wider.error_size).needed(wider.names)
+    return (
+        thresholds.is_resembled(wider.names)
+        and len(wider.fit.model.coordinates) > len(best.fit.model.coordinates)
+        and wider.evidence - best.evidence < brought
+        and best_imitation(metric, best.fit.effect_change, wider.fit.effect_fields) > thresholds.tie
+    )
 
 
 def stands_beside_larger(

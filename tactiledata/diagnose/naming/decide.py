@@ -19,7 +19,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tactiledata.arrays import Array
-from tactiledata.diagnose.naming.beside import is_far_ahead, needed_of, stands_beside, stands_beside_larger
+from tactiledata.diagnose.naming.beside import (
+    is_far_ahead,
+    is_wider_by_errors,
+    needed_of,
+    stands_beside,
+    stands_beside_larger,
+)
 from tactiledata.diagnose.naming.evidence import ScoredCandidate
 from tactiledata.diagnose.naming.metric import RandomEffects
 from tactiledata.diagnose.naming.remaining_structure import RemainingStructure
@@ -136,7 +142,10 @@ def _decided(
     best = next((single for single in ranked if not single.objections(thresholds)), None)
     if best is not None:
         before = [one for one in ranked[: ranked.index(best)] if is_far_ahead(one, best, thresholds)]
-        is_behind = any(not stands_beside(best, one, pairs, thresholds) for one in before)
+        is_behind = any(
+            not stands_beside(best, one, pairs, thresholds) and not is_wider_by_errors(one, best, metric, thresholds)
+            for one in before
+        )
         best = None if is_behind else special_case_of(best, ranked, metric, thresholds)
     # a pair replaces it where both of its effects are needed
     needed = [needed_of(pair, singles, thresholds) for pair in pairs if not pair.objections(thresholds)]
@@ -165,7 +174,7 @@ def _decided(
         reason = f"{len(crowd)} other effects explain nearly as much: these data do not say which it is"
         return Decision(Verdict.NOT_EXPLAINED, best, (), {}, (reason,), left, True)
     # no name where the data show more of an effect that cannot be claimed
-    outweighing = None if best is None else _outweighing(best, ranked, thresholds)
+    outweighing = None if best is None else _outweighing(best, ranked, metric, thresholds)
     if best is not None and outweighing is not None:
         reason = (
             f"the evidence of {outweighing.label} is {outweighing.evidence:.0f}, that of {best.label}"
@@ -205,13 +214,14 @@ def _crowd(
 
 
 def _outweighing(
-    best: ScoredCandidate, ranked: Sequence[ScoredCandidate], thresholds: DecisionThresholds
+    best: ScoredCandidate, ranked: Sequence[ScoredCandidate], metric: RandomEffects, thresholds: DecisionThresholds
 ) -> ScoredCandidate | None:
     """Return the single effect that takes the name of the best one, or of two, away, if any.
 
     It has ``outweighed`` times the evidence, cannot be claimed, and acts in the same slot; or it is any such effect
-    where errors of the simulation resemble the best one, and agreement does not tell it from them (`is_confirmed`). Of
-    several, the one with most evidence is returned.
+    where errors of the simulation resemble the best one, and agreement does not tell it from them (`is_confirmed`). One
+    that contains the best one, and has no more beyond it than errors can bring, takes no name (`is_wider_by_errors`).
+    Of several, the one with most evidence is returned.
     """
     slots = {str(EFFECTS[name].slot) for name in best.names}
     is_like_errors = thresholds.is_resembled(best.names) and not best.is_confirmed(thresholds)
@@ -222,5 +232,6 @@ def _outweighing(
         and one.objections(thresholds)
         and not set(one.names) & set(best.names)
         and (is_like_errors or EFFECTS[one.names[0]].slot in slots)
+        and not is_wider_by_errors(one, best, metric, thresholds)
     ]
     return max(more, key=_evidence, default=None)

@@ -33,6 +33,8 @@ from tactiledata.errors import UsageError
 
 WEAK = 0.05
 """Share of the screen's strengths from which a refit starts that did not end below the fit without the effect."""
+GAINED = 1.0
+"""Fall of the cost below the fit without the effect from which a refit has found something."""
 PAST = ("powered", "earlier_depth", "earlier_contacts")
 """Fields of a touch that say what happened before it."""
 COMPARABLE = 0.8
@@ -102,8 +104,8 @@ class Refits:
         best = [
             min(filter(None, [next(fits) for _ in one.starts]), key=lambda fit: fit.cost, default=None) for one in asked
         ]
-        # the fit without what is added is a special case: where a refit ends above it, others are tried, too
-        above = [place for place, fit in enumerate(best) if fit is None or fit.cost > asked[place].near.cost]
+        # the fit without what is added is a special case: where a refit ends above it or there, others are tried, too
+        above = [place for place, fit in enumerate(best) if fit is None or fit.cost > asked[place].near.cost - GAINED]
         others = [(place, start) for place in above for start in asked[place].other_starts]
         requests = [self._request(asked[place], start, to_beat) for place, start in others]
         for (place, _), fit in zip(others, self._fits(requests), strict=True):

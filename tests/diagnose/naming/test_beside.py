@@ -76,6 +76,25 @@ def test_one_larger_effect_that_was_not_looked_at_is_enough_to_doubt_a_small_par
         assert decided([*ahead, lag], pairs, MORE_THAN_NOISE).claimed == ()
 
 
+def test_a_wider_effect_that_errors_made_larger_takes_no_name():
+    """A turned frame is named beside a cross-talk that contains it, cannot be claimed, and gains what errors bring.
+
+    It is not beside one that changes something else, that has no more numbers, that leads by more than errors bring, or
+    that errors do not resemble. Three times its evidence outweighs it in the same slot.
+    """
+    turned = with_evidence("frame_rotation", 2.0 * T.claim("frame_rotation"), numbers=3)
+    large = {"error_size": 2.5, "numbers": 31, "implausible": ("zz = 0.3",)}
+    brought = T.with_errors(2.5).claim("gain_crosstalk")
+    assert brought > 2.0 * turned.evidence
+
+    def named(lead=0.9, name="gain_crosstalk", **changed):
+        return decided([turned, with_evidence(name, turned.evidence + lead * brought, **{**large, **changed})]).claimed
+
+    assert named() == ("frame_rotation",)
+    assert named(lead=1.1) == named(numbers=3) == named(change=along(0)) == ()
+    assert named(name="clipping") == ()
+
+
 def in_question(*singles, pairs=()):
     """Names of the pairs whose refit decides."""
     return [tuple(one.label for one in pair) for pair in pairs_in_question(singles, pairs, T)]
