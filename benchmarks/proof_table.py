@@ -21,7 +21,8 @@ COUNTS = {
 }
 """Columns, and the first words of the printed lines that they are from."""
 RULES = {
-    "A thirtieth ensemble": "the rules and the worlds of today",
+    "A thirty-fourth ensemble": "the rules of decision 0106",
+    "A thirtieth ensemble": "the worlds of decision 0100",
     "A twenty-sixth ensemble": "the rules of decision 0096",
     "A twenty-third ensemble": "the rules of decision 0093",
     "A seventeenth ensemble": "the rules of 28 and 29 November",

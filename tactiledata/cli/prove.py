@@ -102,6 +102,8 @@ def prove(
             "--out FOLDER runs a proof, --verify FOLDER checks one.",
         )  # fmt: skip
     if verify is not None:
+        from tactiledata.prove.seal.published import SUFFIX
+
         others = [
             parameter.name
             for parameter in context.command.params
@@ -109,7 +111,7 @@ def prove(
         ]
         refuse_given(context, others, "with --verify", "with --out")
         for option, place in (("--verify", verify), ("--against", against)):
-            if place is not None and not place.is_file():
+            if place is not None and not (place.suffix.lower() == SUFFIX and place.is_file()):
                 need_folder(place, option, "a folder that `tactiledata prove --out` made, or a .zip of --publish")
         _verify(verify, root, against, publish, as_json)
         return

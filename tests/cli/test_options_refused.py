@@ -101,7 +101,7 @@ def a_check_of_a_proof_that_asks_for_cases(bench):
     return ["prove", "--verify", bench.folder, "--nulls", "3"]
 
 
-@case(2, "--verify run.mcap is no folder")
+@case(2, "--verify run.mcap is no folder", "or a .zip of --publish")
 def a_check_of_a_file(bench):
     return ["prove", "--verify", bench.mcap.name]
 
