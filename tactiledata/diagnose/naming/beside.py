@@ -9,6 +9,7 @@ import numpy as np
 from tactiledata.diagnose.naming.evidence import MOST_INFLUENTIAL, ScoredCandidate, error_of_sum
 from tactiledata.diagnose.naming.metric import RandomEffects, best_imitation
 from tactiledata.diagnose.naming.thresholds import DecisionThresholds
+from tactiledata.diagnose.naming.ties import is_lead_confirmed
 from tactiledata.effects import EFFECTS
 
 
@@ -164,7 +165,8 @@ def is_wider_by_errors(
     """Return whether an effect contains another one, and has no more evidence beyond it than errors can bring.
 
     It has more numbers, could change what the other one changes (cosine above ``tie``), and errors of the simulation
-    resemble it: they speak for the wider effect, whatever of it is there.
+    resemble it: they speak for the wider effect, whatever of it is there. Held-out trajectories do not confirm that it
+    explains more (`ties.is_lead_confirmed`).
 
     Parameters
     ----------
@@ -180,6 +182,7 @@ def is_wider_by_errors(
         thresholds.is_resembled(wider.names)
         and len(wider.fit.model.coordinates) > len(best.fit.model.coordinates)
         and wider.evidence - best.evidence < brought
+        and not is_lead_confirmed(wider, best, thresholds)
         and best_imitation(metric, best.fit.effect_change, wider.fit.effect_fields) > thresholds.tie
     )
 

@@ -37,7 +37,7 @@ CLAIM_EVIDENCE: Mapping[str, float] = MappingProxyType({
     "static_friction": 120.0, "arm_compliance": 40.0, "mount_offset": 40.0, "thickness": 35.0,
     "strain_stiffening": 35.0, "stem_bending": 40.0, "soft_region": 30.0, "dome": 30.0, "skin": 30.0,
     "area_friction": 30.0, "partial_slip": 30.0, "heating": 20.0, "mullins": 20.0, "wear": 20.0, "pad_edge": 20.0,
-    "adhesion": 20.0, "gain_crosstalk": 35.0,
+    "adhesion": 20.0, "gain_crosstalk": 70.0,
 })  # fmt: skip
 """Evidence that an effect needs where errors of the simulation resemble it; the others need ``USUAL_CLAIM``."""
 ALIKE_EVERYWHERE = frozenset({"static_friction"})

@@ -46,7 +46,9 @@ def special_case_of(
 
     A special case has fewer numbers, and what it changes the best effect could change as well (cosine above ``tie``).
     Errors of the simulation only ever speak for the wider effect. It is named where it leads by more than
-    ``tie_margin``, and by more than ``wider_lead`` times the evidence that it needs by itself.
+    ``tie_margin``, and by more than ``wider_lead`` times the evidence that it needs by itself. Where such errors
+    resemble the wider effect and not the special case, held-out trajectories must confirm the lead
+    (`is_lead_confirmed`).
 
     Parameters
     ----------
@@ -64,12 +66,30 @@ def special_case_of(
             thresholds.tie_margin(best.evidence, (*best.names, *one.names)),
             thresholds.wider_lead * thresholds.needed(best.names),
         )
-        if best.beyond(thresholds) - one.beyond(thresholds) > margin or one.objections(thresholds):
+        # a lead that errors of the simulation can bring the wider effect alone is one if held-out data confirm it
+        is_doubted = thresholds.is_resembled(best.names) and not thresholds.is_resembled(one.names)
+        leads = best.beyond(thresholds) - one.beyond(thresholds) > margin
+        is_wider_needed = leads and (not is_doubted or is_lead_confirmed(best, one, thresholds))
+        if is_wider_needed or one.objections(thresholds):
             continue
         is_narrower = len(one.fit.model.coordinates) < len(best.fit.model.coordinates)
         if is_narrower and best_imitation(metric, one.fit.effect_change, best.fit.effect_fields) > thresholds.tie:
             return one
     return best
+
+
+def is_lead_confirmed(wider: ScoredCandidate, special: ScoredCandidate, thresholds: DecisionThresholds) -> bool:
+    """Return whether a wider effect gains more on held-out trajectories than a special case, by ``gain_sigmas`` errors.
+
+    Parameters
+    ----------
+    wider, special : ScoredCandidate
+        The two effects.
+    thresholds : DecisionThresholds
+        What a claim needs.
+    """
+    apart = wider.gains - special.gains
+    return bool(apart.sum() >= thresholds.gain_sigmas * error_of_sum(apart))
 
 
 def ties_of_one(

@@ -4,7 +4,7 @@ import dataclasses
 from types import SimpleNamespace
 
 import numpy as np
-from candidates import EASY, HARD, MORE_THAN_NOISE, NOTHING_LEFT, OTHER_EASY, along, decided, with_evidence
+from candidates import EASY, HARD, MORE_THAN_NOISE, NOTHING_LEFT, OTHER_EASY, along, decided, scattered, with_evidence
 
 from tactiledata.diagnose.naming.beside import pairs_in_question
 from tactiledata.diagnose.naming.options import NamingOptions
@@ -79,19 +79,21 @@ def test_one_larger_effect_that_was_not_looked_at_is_enough_to_doubt_a_small_par
 def test_a_wider_effect_that_errors_made_larger_takes_no_name():
     """A turned frame is named beside a cross-talk that contains it, cannot be claimed, and gains what errors bring.
 
-    It is not beside one that changes something else, that has no more numbers, that leads by more than errors bring, or
-    that errors do not resemble. Three times its evidence outweighs it in the same slot.
+    It is not beside one that changes something else, that has no more numbers, that leads by more than errors bring,
+    whose lead held-out trajectories confirm, or that errors do not resemble.
     """
     turned = with_evidence("frame_rotation", 2.0 * T.claim("frame_rotation"), numbers=3)
     large = {"error_size": 2.5, "numbers": 31, "implausible": ("zz = 0.3",)}
     brought = T.with_errors(2.5).claim("gain_crosstalk")
     assert brought > 2.0 * turned.evidence
 
-    def named(lead=0.9, name="gain_crosstalk", **changed):
-        return decided([turned, with_evidence(name, turned.evidence + lead * brought, **{**large, **changed})]).claimed
+    def named(lead=0.9, name="gain_crosstalk", errors=1.9, **changed):
+        more = lead * brought
+        wider = {"gains": turned.gains + scattered(more, errors), **large, **changed}
+        return decided([turned, with_evidence(name, turned.evidence + more, **wider)]).claimed
 
     assert named() == ("frame_rotation",)
-    assert named(lead=1.1) == named(numbers=3) == named(change=along(0)) == ()
+    assert named(lead=1.1) == named(numbers=3) == named(change=along(0)) == named(errors=2.1) == ()
     assert named(name="clipping") == ()
 
 

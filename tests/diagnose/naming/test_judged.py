@@ -254,6 +254,19 @@ def test_a_special_case_is_named_where_the_wider_one_explains_hardly_more():
     assert decided([wider, implausible]).claimed == ("gain_crosstalk",)
 
 
+@pytest.mark.parametrize(("errors", "named"), [(1.9, "frame_rotation"), (2.1, "gain_crosstalk")])
+def test_a_lead_that_errors_can_bring_must_be_confirmed_by_held_out_trajectories(errors, named):
+    """Cross-talk far ahead of a turned frame is named where the difference of their gains has two standard errors."""
+    turned = with_evidence("frame_rotation", MUCH, numbers=3)
+    gains = turned.gains + scattered(2.0 * MUCH, errors)
+    wider = with_evidence("gain_crosstalk", 3.0 * MUCH, numbers=31, gains=gains)
+    assert decided([wider, turned]).claimed == (named,)
+    # errors resemble both of these, or neither: evidence decides
+    for narrow, wide in (("thickness", "soft_region"), ("lag", "clock_skew")):
+        one = with_evidence(narrow, MUCH)
+        assert decided([with_evidence(wide, 3.0 * MUCH, numbers=5, gains=gains), one]).claimed == (wide,)
+
+
 def crowd(name, others, share):
     """A best candidate, and others with a share of its evidence that change something else each."""
     best = with_evidence(name, MUCH, change=along(0))
