@@ -1,15 +1,15 @@
-"""The targets of a proof over several sealed proofs that the same rules decided.
+"""The targets of a proof over several sealed proofs.
 
     python benchmarks/proof_pooled.py PROOF [PROOF ...] [--picture FILE]
     python benchmarks/proof_pooled.py --write
 
 A PROOF is a folder that `tactiledata prove --out` made and answered, or an archive of it that `--publish` made: those
-of the page of the proof lie in docs/proofs. Cases of all are scored together, as those of one
-proof are. Where the command of a proof chose what is hidden (``--effects``), only its worlds without effects are taken:
-the others are no sample. Nothing is computed anew. Whether the proofs had the same rules is not looked at: the table of
-proofs shows their commits. In "over configurations" one of the same name in two proofs counts as one. The picture shows
-which share of single effects is named, by signal and generator. With ``--write`` the pages of the proof get what
-the commands print that stand on them.
+of the page of the proof lie in docs/proofs. Cases of all are scored together, as those of one proof are. Where the
+command of a proof chose what is hidden (``--effects``), only its worlds without effects are taken: the others are no
+sample. Nothing is computed anew. Whether the proofs had the same rules is not looked at: the table of proofs shows
+their commits. In "over configurations" one of the same name in two proofs counts as one. The picture shows which share
+of single effects is named, by signal and generator. With ``--write`` the pages of the proof get what the commands print
+that stand on them.
 """
 
 from __future__ import annotations
@@ -150,7 +150,7 @@ PAGES = (ROOT / "docs" / "proof.md", ROOT / "docs" / "proof-ensembles.md")
 HEADER = "the targets over several sealed proofs (simulated recordings)"
 COMMAND = re.compile(
     r"(`python benchmarks/proof_pooled\.py (?P<archives>docs/proofs/\S+\.zip(?: docs/proofs/\S+\.zip)*)[ `].*?"
-    r"\n```text\n)(?P<block>.*?)\n```",
+    r"\n```text\n).*?\n```",
     re.DOTALL,
 )
 """A command on a page that names archives, and the block below it that holds what it prints."""

@@ -102,17 +102,12 @@ def prove(
             "--out FOLDER runs a proof, --verify FOLDER checks one.",
         )  # fmt: skip
     if verify is not None:
-        from tactiledata.prove.seal.published import SUFFIX
-
         others = [
             parameter.name
             for parameter in context.command.params
             if parameter.name not in ("verify", "root", "against", "publish", "as_json")
         ]
         refuse_given(context, others, "with --verify", "with --out")
-        for option, place in (("--verify", verify), ("--against", against)):
-            if place is not None and not (place.suffix.lower() == SUFFIX and place.is_file()):
-                need_folder(place, option, "a folder that `tactiledata prove --out` made, or a .zip of --publish")
         _verify(verify, root, against, publish, as_json)
         return
     refuse_given(context, ["root", "against", "publish"], "with --out", "with --verify")
@@ -248,6 +243,9 @@ def _verify(path: Path, root: str | None, other: Path | None, archive: Path | No
     from tactiledata.prove.seal.published import SUFFIX, opened_proof, publish
     from tactiledata.prove.seal.verify import verify
 
+    for option, place in (("--verify", path), ("--against", other)):
+        if place is not None and not (place.suffix.lower() == SUFFIX and place.is_file()):
+            need_folder(place, option, f"a folder that `tactiledata prove --out` made, or a {SUFFIX} of --publish")
     if archive is not None:
         if archive.suffix.lower() != SUFFIX:
             raise UsageError(f"--publish {archive}", f"a file name that ends in {SUFFIX}", f"Add {SUFFIX}.")

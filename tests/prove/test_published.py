@@ -47,7 +47,7 @@ def archived(path, files, kind=zipfile.ZIP_DEFLATED):
 
 
 def test_an_archive_is_checked_as_its_folder_is(whole):
-    """The same score, and no fault; it says that the readings were not looked at, and holds none."""
+    """An archive gives the score of its folder and no fault, holds no readings, and says that they were not checked."""
     archive = whole.path.with_suffix(".zip")
     with opened_proof(archive) as folder:
         found, place = verify(folder, look_for_leaks=True), folder.path

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tactiledata.diagnose.naming.evidence import MOST_INFLUENTIAL, ScoredCandidate, error_of_sum
+from tactiledata.diagnose.naming.evidence import MOST_INFLUENTIAL, ScoredCandidate
 from tactiledata.diagnose.naming.metric import RandomEffects, best_imitation
 from tactiledata.diagnose.naming.thresholds import DecisionThresholds
 from tactiledata.diagnose.naming.ties import is_lead_confirmed
@@ -113,10 +113,9 @@ def _confirms_second(
     The gain of the pair less that of the single is positive, and has ``gain_sigmas`` standard errors; or the evidence
     that a claim of the second needs is added without the two trajectories that add most.
     """
-    gains = pair.gains - single.gains
     added = np.sort(pair.evidence_per_trajectory - single.evidence_per_trajectory)[:-MOST_INFLUENTIAL]
-    is_more = gains.sum() >= thresholds.gain_sigmas * error_of_sum(gains)
-    return bool(gains.sum() > 0 and (is_more or added.sum() >= needs))
+    is_positive = (pair.gains - single.gains).sum() > 0
+    return bool(is_positive and (is_lead_confirmed(pair, single, thresholds) or added.sum() >= needs))
 
 
 def is_far_ahead(one: ScoredCandidate, best: ScoredCandidate, thresholds: DecisionThresholds) -> bool:
@@ -150,13 +149,17 @@ def stands_beside(
     thresholds : DecisionThresholds
         What a claim needs.
     """
-    if thresholds.is_resembled(best.names) or not thresholds.is_resembled(other.names):
-        return False
     pair = next((pair for pair in pairs if set(pair.names) == {*best.names, *other.names}), None)
-    if pair is None or other.evidence >= other.needed(thresholds):
+    if pair is None or not _may_be_errors(other, best, thresholds):
         return False
     needed = thresholds.with_errors(pair.error_size).needed(best.names)
     return pair.evidence - other.evidence >= max(needed, thresholds.remainder_share * best.evidence)
+
+
+def _may_be_errors(other: ScoredCandidate, best: ScoredCandidate, thresholds: DecisionThresholds) -> bool:
+    """Return whether errors of the simulation can bring all evidence of an effect, and do not resemble another one."""
+    is_like_errors = thresholds.is_resembled(other.names) and not thresholds.is_resembled(best.names)
+    return is_like_errors and other.evidence < other.needed(thresholds)
 
 
 def is_wider_by_errors(
@@ -224,13 +227,12 @@ def pairs_in_question(
         What a claim needs.
     """
     known = {frozenset(pair.names) for pair in pairs}
-    claimable = [one for one in singles if not thresholds.is_resembled(one.names) and not one.objections(thresholds)]
+    claimable = [one for one in singles if not one.objections(thresholds)]
     return [
         (larger, one)
         for one in claimable
         for larger in singles
         if larger.evidence > one.evidence
-        and thresholds.is_resembled(larger.names)
-        and larger.evidence < larger.needed(thresholds)
+        and _may_be_errors(larger, one, thresholds)
         and frozenset((*larger.names, *one.names)) not in known
     ]

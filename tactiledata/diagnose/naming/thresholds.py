@@ -104,10 +104,11 @@ class DecisionThresholds:
         Share of the excess that an effect which errors of the simulation resemble must remove where more than the
         stated noise is left beside it.
     part_share : float
-        The same share for an effect that errors of the simulation do not resemble.
+        The same share for an effect that errors of the simulation do not resemble, unless it keeps its evidence beside
+        all larger ones (`beside.stands_beside_larger`).
     whole_cause_share : float
-        Share of the excess from which an effect that errors of the simulation do not resemble is named even if its
-        strength is beyond what is plausible.
+        Share of the excess from which an effect that errors of the simulation do not resemble, or that shows as none of
+        them does, is named even if its strength is beyond what is plausible.
     noise_dispersion : float
         Mean square that is left above which more than the stated noise is left.
     structure_dispersion : float

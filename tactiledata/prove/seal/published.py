@@ -11,6 +11,7 @@ import re
 import tempfile
 import zipfile
 import zlib
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -121,7 +122,8 @@ def _need_ours(path: Path, entries: list[zipfile.ZipInfo]) -> None:
         )
     if any(entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED) for entry in entries):
         raise StoreError(f"{path} is compressed in another way", "deflated files", "This archive is none of ours.")
-    odd = sorted(name for name in {*names, *_SINGLE} if names.count(name) != 1)
+    counts = Counter(names)
+    odd = sorted(name for name in {*names, *_SINGLE} if counts[name] != 1)
     if odd:
-        found = "twice" if odd[0] in names else "not at all"
+        found = "twice" if counts[odd[0]] else "not at all"
         raise StoreError(f"{path} holds {odd[0]} {found}", "each file of a proof once", "Fetch it again.")

@@ -202,7 +202,7 @@ def test_what_is_confirmed_may_be_the_whole_cause():
 
 
 def test_cross_talk_that_touches_do_not_agree_on_may_be_an_error_of_the_simulation():
-    """With errors of 2.8 times the usual size an evidence of 180 is enough only where all touches confirm it.
+    """Cross-talk with an evidence of 176 beside errors of 2.8 times the usual size is claimed only if all confirm it.
 
     So it was in a world without effects: 60 touches, an agreement of 3.7, a gain of less than one standard error.
     """
