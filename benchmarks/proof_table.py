@@ -21,6 +21,7 @@ COUNTS = {
 }
 """Columns, and the first words of the printed lines that they are from."""
 RULES = {
+    "A thirty-sixth ensemble": "the rules of decision 0107",
     "A thirty-fourth ensemble": "the rules of decision 0106",
     "A thirtieth ensemble": "the worlds of decision 0100",
     "A twenty-sixth ensemble": "the rules of decision 0096",

@@ -1,7 +1,8 @@
 """Cases drawn by a seed: kinds, effects, strengths, places, times and directions.
 
 An effect that is asked to be visible, or concealed by calibration, is drawn again until the oracle says so. Draws that
-were rejected are counted. Visible effects may be concealed by a calibration as well; most are.
+were rejected are counted. Visible effects may be concealed by a calibration as well; most are. An effect that is asked
+to be ambiguous, and that another one resembles, is drawn with a strength at which data do not tell the two apart.
 """
 
 from __future__ import annotations
@@ -10,14 +11,15 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from tactiledata.errors import UsageError
 from tactiledata.prove.cases.configuration import Configuration, played_plan
-from tactiledata.prove.cases.drawn_world import DrawnWorld
-from tactiledata.prove.cases.kinds import AMBIGUOUS, CONCEALED, DRAWN, NULLS, OUTSIDE, PAIRS, Sight
-from tactiledata.prove.cases.strengths import drawn_parameters
+from tactiledata.prove.cases.drawn_world import DrawnWorld, RecordedWorld
+from tactiledata.prove.cases.kinds import AMBIGUOUS, CONCEALED, DRAWN, LEAST_SIGNAL, NULLS, OUTSIDE, PAIRS, Sight
+from tactiledata.prove.cases.strengths import drawn_parameters, weakened
 from tactiledata.prove.cases.truth import OUTSIDE as OUTSIDE_EFFECTS
 from tactiledata.prove.cases.truth import TITLES
 from tactiledata.prove.cases.world_case import WorldCase
@@ -107,23 +109,45 @@ def drawn_case(request: CaseRequest) -> DrawnCase:
         names = chance.choice(allowed, 2 if request.kind == PAIRS else 1, replace=False).tolist()
         drawn = int(chance.integers(2**31))
         hidden = tuple({"effect": name, "parameters": drawn_parameters(name, drawn, BEYOND)} for name in names)
+        titles = [TITLES.get(name, "") for name in names]
         try:
-            recorded = world.recorded(hidden)
+            recorded, sight = _recorded(world, hidden, request.kind)
+            if request.kind == AMBIGUOUS and (factor := _weakening(sight, titles, chance)) < 1.0:
+                hidden = tuple({**one, "parameters": weakened(**one, factor=factor)} for one in hidden)
+                recorded, sight = _recorded(world, hidden, request.kind)
         except UsageError as error:
             # a strength beyond what the generator can record
             rejected[f"the generator refuses {names[0]}: {error.expected}"] += 1
             continue
-        loss_ratio = world.loss_ratio(recorded)
-        sight = world.sight(recorded, loss_ratio, with_alike=request.kind == AMBIGUOUS)
         alone = (
-            [world.sight(world.recorded((one,)), loss_ratio) for one in hidden]
+            [world.sight(world.recorded((one,)), sight.loss_ratio) for one in hidden]
             if request.kind == PAIRS and sight.is_visible
             else []
         )
-        if is_of_kind(request.kind, sight, alone, [TITLES.get(name, "") for name in names]):
+        if is_of_kind(request.kind, sight, alone, titles):
             return DrawnCase(world.case(request.kind, hidden, sight), recorded.readings, rejected)
         rejected["not of the kind" if sight.is_visible else "too weak to be seen"] += 1
     return DrawnCase(None, [], rejected)
+
+
+def _recorded(world: DrawnWorld, hidden: Sequence[dict[str, Any]], kind: str) -> tuple[RecordedWorld, Sight]:
+    """Return the readings of a world that hides this, and how much can be seen of it."""
+    recorded = world.recorded(hidden)
+    return recorded, world.sight(recorded, world.loss_ratio(recorded), with_alike=kind == AMBIGUOUS)
+
+
+def _weakening(sight: Sight, names: Sequence[str], chance: np.random.Generator) -> float:
+    """Return the factor on strengths at which data do not tell what is hidden from an effect that resembles it.
+
+    The signal is drawn evenly in its logarithm between the least that can be seen and the largest at which the two are
+    not told apart. It is 1 where no other effect resembles what is hidden, or where data tell them apart as soon as
+    they see it.
+    """
+    largest = sight.largest_alike(set(sight.alike) - set(names))
+    if largest <= LEAST_SIGNAL:
+        return 1.0
+    wanted = LEAST_SIGNAL * (largest / LEAST_SIGNAL) ** chance.uniform()
+    return min(1.0, wanted / sight.signal) if sight.signal > 0.0 else 1.0
 
 
 def is_of_kind(kind: str, sight: Sight, alone: Sequence[Sight], names: Sequence[str]) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -16,7 +17,7 @@ LOSS_RATIO = 1.15
 """Ratio of the paper's loss with and without the effect up to which a calibration conceals it."""
 ABSORBED = 0.8
 """Share of the squared change that a refit of E, nu, mu and nuisances absorbs, from which it conceals an effect."""
-ALIKE = 0.98
+ALIKE = 0.95
 """Cosine from which an effect of the catalogue resembles what is hidden."""
 TOLD_APART = 4.0
 """Signal of what a resembling effect cannot imitate, from which data tell the two apart: evidence of 8."""
@@ -59,11 +60,12 @@ class Sight:
     @property
     def imitators(self) -> tuple[str, ...]:
         """Effects that resemble the change so much that data do not tell them apart."""
-        return tuple(
-            name
-            for name, cosine in self.alike.items()
-            if self.signal * math.sqrt(1.0 - min(cosine, 1.0) ** 2) < TOLD_APART
-        )
+        return tuple(name for name in self.alike if self.signal < self.largest_alike([name]))
+
+    def largest_alike(self, names: Iterable[str]) -> float:
+        """Return the signal up to which one of these effects can stand for the change; 0 where none resembles it."""
+        apart = [math.sqrt(1.0 - min(self.alike[name], 1.0) ** 2) for name in names if name in self.alike]
+        return max((TOLD_APART / one if one > 0.0 else math.inf for one in apart), default=0.0)
 
     @property
     def document(self) -> dict[str, Any]:

@@ -59,6 +59,25 @@ def drawn_parameters(name: str, seed: int, beyond: float = 1.0) -> dict[str, flo
     return found
 
 
+def weakened(effect: str, parameters: Mapping[str, float], factor: float) -> dict[str, float]:
+    """Return the numbers of one of the rig's hidden effects with all strengths times a factor, within their ranges.
+
+    Parameters
+    ----------
+    effect : str
+        The rig's name of the effect.
+    parameters : dict, name -> float
+        All its numbers, in SI units.
+    factor : float
+        Factor on what the rig's weak and strong ones state; the others stay.
+    """
+    member = HIDDEN_EFFECTS[effect]
+    return {
+        key: float(np.clip(value * factor, *member.RANGES[key])) if key in member.STRENGTHS["weak"] else value
+        for key, value in parameters.items()
+    }
+
+
 def _widened(share: float, ratio: float, beyond: float) -> float:
     """Return the exponent of a ratio, 0 to 1, stretched to both sides by a factor on the value."""
     if ratio == 1.0:
