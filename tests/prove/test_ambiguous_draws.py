@@ -60,7 +60,10 @@ def drawn(monkeypatch):
 
 
 def test_what_another_effect_resembles_is_hidden_too_weak_to_be_told_from_it(drawn):
-    """With a cosine of 0.99 the signals fill the range from 8 to 28, of which the other effect leaves at most 4."""
+    """Signals that are drawn beside another effect of cosine 0.99 fill the range from 8 to 28 units of noise.
+
+    Of a signal of 28 the other effect leaves 4, from which data tell the two apart.
+    """
     cases = drawn({"frame_rotation": 1.0, "gain_crosstalk": 0.99})
     assert all(one.case is not None and one.case.sight.imitators for one in cases)
     signals = np.array([one.case.sight.signal for one in cases])

@@ -143,11 +143,11 @@ def _weakening(sight: Sight, names: Sequence[str], chance: np.random.Generator) 
     not told apart. It is 1 where no other effect resembles what is hidden, or where data tell them apart as soon as
     they see it.
     """
-    largest = sight.largest_alike(set(sight.alike) - set(names))
+    largest = max((sight.largest_alike(name) for name in set(sight.alike) - set(names)), default=0.0)
     if largest <= LEAST_SIGNAL:
         return 1.0
     wanted = LEAST_SIGNAL * (largest / LEAST_SIGNAL) ** chance.uniform()
-    return min(1.0, wanted / sight.signal) if sight.signal > 0.0 else 1.0
+    return min(1.0, wanted / max(sight.signal, LEAST_SIGNAL))
 
 
 def is_of_kind(kind: str, sight: Sight, alone: Sequence[Sight], names: Sequence[str]) -> bool:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -60,12 +59,12 @@ class Sight:
     @property
     def imitators(self) -> tuple[str, ...]:
         """Effects that resemble the change so much that data do not tell them apart."""
-        return tuple(name for name in self.alike if self.signal < self.largest_alike([name]))
+        return tuple(name for name in self.alike if self.signal < self.largest_alike(name))
 
-    def largest_alike(self, names: Iterable[str]) -> float:
-        """Return the signal up to which one of these effects can stand for the change; 0 where none resembles it."""
-        apart = [math.sqrt(1.0 - min(self.alike[name], 1.0) ** 2) for name in names if name in self.alike]
-        return max((TOLD_APART / one if one > 0.0 else math.inf for one in apart), default=0.0)
+    def largest_alike(self, name: str) -> float:
+        """Return the signal below which data do not tell one of the resembling effects from what is hidden."""
+        apart = math.sqrt(1.0 - min(self.alike[name], 1.0) ** 2)
+        return TOLD_APART / apart if apart > 0.0 else math.inf
 
     @property
     def document(self) -> dict[str, Any]:
