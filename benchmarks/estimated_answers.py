@@ -27,13 +27,12 @@ from timing import header, table
 from tactiledata.calibrate.plays.estimated_plays import Estimates
 from tactiledata.compute import make_scheduler
 from tactiledata.gel.elasticity.compliance import cache_folder
-from tactiledata.prove.answers.named import named_world
+from tactiledata.prove.answers.named import case_readings, named_world
 from tactiledata.prove.cases.kinds import NULLS, VISIBLE
 from tactiledata.prove.request import ProofRequest
 from tactiledata.prove.score.scored_case import ScoredCase
-from tactiledata.prove.seal.folder import ProofFolder, read_json, read_readings
+from tactiledata.prove.seal.folder import ProofFolder, read_json
 from tactiledata.prove.seal.verify import scored_cases
-from tactiledata.prove.worlds.logs import LogReadings
 from tactiledata.prove.worlds.plan_names import named_plan
 from tactiledata.prove.worlds.played_plan import PlayedPlan
 
@@ -88,7 +87,7 @@ def _kept(way: str, plan: str, keep: Path, bank: Path) -> PlayedPlan:
 def answered(task: Answer) -> dict[str, Any]:
     """What a diagnosis says of a case."""
     played = _kept(task.way, task.plan, task.keep, task.bank)
-    readings = [LogReadings(*one) for one in read_readings(ProofFolder(task.proof).case(task.case))]
+    readings = case_readings(ProofFolder(task.proof), task.case)
     return told(task.way, task.case, named_world(played, readings, in_full=False).document)
 
 

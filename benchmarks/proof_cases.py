@@ -15,13 +15,13 @@ from tactiledata.arrays import Array
 from tactiledata.compute import make_scheduler
 from tactiledata.diagnose.touches.touch_case import TouchSet
 from tactiledata.gel.elasticity.compliance import cache_folder
+from tactiledata.prove.answers.named import case_readings
 from tactiledata.prove.cases.configuration import Configuration, played_plan
 from tactiledata.prove.cases.drawn_world import DrawnWorld
 from tactiledata.prove.score.outcome import IN_SET, NAMED
 from tactiledata.prove.score.scored_case import ScoredCase
-from tactiledata.prove.seal.folder import ProofFolder, read_readings
+from tactiledata.prove.seal.folder import ProofFolder
 from tactiledata.prove.seal.verify import scored_cases
-from tactiledata.prove.worlds.logs import LogReadings
 from tactiledata.prove.worlds.recorder import ReadWorld
 
 T = TypeVar("T")
@@ -61,8 +61,7 @@ class ProofCase:
     @cached_property
     def read(self) -> ReadWorld:
         """What a diagnosis reads of the case."""
-        readings = read_readings(self.folder.case(self.case.name))
-        return self.world.played.maker.observed([LogReadings(*one) for one in readings])
+        return self.world.played.maker.observed(case_readings(self.folder, self.case.name))
 
     @property
     def touch_set(self) -> TouchSet:

@@ -28,7 +28,7 @@ from timing import header, table
 
 from tactiledata.prove.cases.kinds import NULLS
 from tactiledata.prove.request import ProofRequest
-from tactiledata.prove.score.score import SIGNALS, met_words, score_of
+from tactiledata.prove.score.score import SIGNALS, met_words, score_of, signal_words
 from tactiledata.prove.score.scored_case import ScoredCase
 from tactiledata.prove.score.shares import interval_words
 from tactiledata.prove.seal.folder import read_json
@@ -121,15 +121,9 @@ def strength_rows(score: Mapping[str, Any]) -> list[tuple[str, ...]]:
     """A row for each range of signals: its ends, and how many single effects are named, and named or in the set."""
     rows = []
     for one in score["strength"]:
-        low, high = one["signal"]
-        ends = signal_words(low, np.inf if high is None else high)
+        ends = signal_words(*one["signal"])
         rows.append((ends, *(f"{one[key]['right']} of {one[key]['count']}" for key in ("named", "named_or_in_set"))))
     return rows
-
-
-def signal_words(low: float, high: float) -> str:
-    """A range of signals in words; the last has no end."""
-    return f"{low:.0f} and more" if high == np.inf else f"{low:.0f} to {high:.0f}"
 
 
 def other_rows(score: Mapping[str, Any]) -> list[tuple[str, str]]:

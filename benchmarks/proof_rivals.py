@@ -28,6 +28,7 @@ from timing import header, table
 
 from tactiledata.diagnose.touches.touch_case import TouchSet
 from tactiledata.gel.elasticity.compliance import cache_folder
+from tactiledata.prove.answers.named import case_readings
 from tactiledata.prove.cases.configuration import Configuration, played_plan
 from tactiledata.prove.cases.drawn_world import DrawnWorld
 from tactiledata.prove.cases.kinds import NULLS, OUTSIDE
@@ -35,9 +36,8 @@ from tactiledata.prove.cases.oracle import with_wrenches
 from tactiledata.prove.request import ProofRequest
 from tactiledata.prove.score.outcome import CLAIMS
 from tactiledata.prove.score.scored_case import ScoredCase
-from tactiledata.prove.seal.folder import ProofFolder, read_json, read_readings
+from tactiledata.prove.seal.folder import ProofFolder, read_json
 from tactiledata.prove.seal.verify import scored_cases
-from tactiledata.prove.worlds.logs import LogReadings
 from tactiledata.prove.worlds.played_plan import START, PlayedPlan
 
 METHODS: dict[str, Callable[[Case], tuple[str, ...]]] = {
@@ -132,7 +132,7 @@ def main() -> None:
         if not todo:
             continue
         played = played_plan(case.label["configuration"]["plan"], options.bank, request.with_variants)
-        readings = [LogReadings(*one) for one in read_readings(folder.case(case.name))]
+        readings = case_readings(folder, case.name)
         touches = played.maker.cases(played.maker.observed(readings), played.family)
         seen = Case(touches, START, played.effects)
         for method in todo:

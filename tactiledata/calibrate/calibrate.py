@@ -19,6 +19,7 @@ from tactiledata.compute import make_scheduler
 from tactiledata.contract.progress import Progress, no_progress
 from tactiledata.contract.records import Finding
 from tactiledata.contract.simulated import NOTHING_STATED, SimulatedCount
+from tactiledata.contract.wording import all_left_out
 from tactiledata.errors import TactileDataError
 from tactiledata.replay.opened import OpenedStore
 from tactiledata.store.read.reader import Store
@@ -157,9 +158,8 @@ def calibrate_measured(
 
 def too_few(count: int, left_out: dict[str, int]) -> TactileDataError:
     """Error for a store with too few usable trajectories; it counts the reasons of those left out."""
-    reasons = "; ".join(f"{number} x {reason}" for reason, number in sorted(left_out.items())) or "the store holds none"
     return TactileDataError(
-        f"{count} trajectories can be used ({reasons})",
+        f"{count} trajectories can be used ({all_left_out(left_out) or 'the store holds none'})",
         f"at least {FEWEST}",
         "See docs/calibration.md, What a recording must hold.",
         left_out=left_out,

@@ -10,7 +10,7 @@ from tactiledata.calibrate.bounds import BOUNDS, SYMBOLS, Bounds
 from tactiledata.calibrate.fit import Fit
 from tactiledata.calibrate.knowledge import Knowledge, known_parameters
 from tactiledata.contract.records import Finding
-from tactiledata.contract.wording import counted
+from tactiledata.contract.wording import counted, left_out_words
 
 AT_BOUND = 0.01
 """Largest distance from a bound, as a share of the box, at which a parameter counts as being at it."""
@@ -178,7 +178,7 @@ def _one_gel(sensors: Collection[str]) -> Iterator[Finding]:
 def _left_out(left_out: Mapping[str, int]) -> Iterator[Finding]:
     """Yield the number of trajectories left out under each reason."""
     for reason, count in sorted(left_out.items()):
-        yield Finding("calibration-left-out", "info", f"{counted(count, 'trajectory')} left out: {reason}", count=count)
+        yield Finding("calibration-left-out", "info", left_out_words(count, reason), count=count)
 
 
 def in_words(name: str, value: float) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 QUOTED = re.compile(r"(?<!\w)'([^']*)'(?!\w)")
 """A name in quotation marks; an apostrophe inside a word is none."""
@@ -27,6 +27,28 @@ def counted(number: int, noun: str) -> str:
     if number == 1:
         return f"{number} {noun}"
     return f"{number} {noun[:-1]}ies" if noun.endswith("y") else f"{number} {noun}s"
+
+
+def left_out_words(number: int, reason: str) -> str:
+    """Say that a number of trajectories are left out, and why.
+
+    Examples
+    --------
+    >>> left_out_words(2, "no contact wrench in the gel frame")
+    '2 trajectories left out: no contact wrench in the gel frame'
+    """
+    return f"{counted(number, 'trajectory')} left out: {reason}"
+
+
+def all_left_out(left_out: Mapping[str, int]) -> str:
+    """Say of every reason how many trajectories are left out, by reason; empty where none is.
+
+    Examples
+    --------
+    >>> all_left_out({"no pose": 1, "flagged as bad": 2})
+    '2 trajectories left out: flagged as bad; 1 trajectory left out: no pose'
+    """
+    return "; ".join(left_out_words(number, reason) for reason, number in sorted(left_out.items()))
 
 
 def agreeing(number: int, one: str, several: str) -> str:

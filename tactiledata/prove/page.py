@@ -10,7 +10,7 @@ from typing import Any
 from tactiledata.contract.atomic import write_atomic
 from tactiledata.contract.simulated import SimulatedCount
 from tactiledata.contract.wording import counted
-from tactiledata.prove.score.score import met_words
+from tactiledata.prove.score.score import met_words, signal_words
 from tactiledata.prove.score.shares import interval_words
 from tactiledata.prove.seal.folder import ProofFolder, read_json
 from tactiledata.report.page import Section, render_page
@@ -106,10 +106,9 @@ def _rows(table: Mapping[str, Mapping[str, int]]) -> list[list[object]]:
 
 def _strength_row(one: Mapping[str, Any]) -> list[object]:
     """Return a row of strength and accuracy."""
-    low, high = one["signal"]
     shares = [one[key] for key in ("named", "named_or_in_set", "detected")]
     cells = [f"{each['right']} of {each['count']} ({interval_words(each['interval'])})" for each in shares]
-    return [f"{low:g} and more" if high is None else f"{low:g} to {high:g}", *cells]
+    return [signal_words(*one["signal"]), *cells]
 
 
 def _chance_row(one: Mapping[str, Any]) -> list[object]:

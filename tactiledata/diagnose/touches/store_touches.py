@@ -19,6 +19,7 @@ from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.compute import make_scheduler
 from tactiledata.compute.base import Scheduler
 from tactiledata.contract.progress import Progress, no_progress
+from tactiledata.contract.wording import all_left_out
 from tactiledata.diagnose.touches.grid_answer import TouchPlays
 from tactiledata.diagnose.touches.play_grid import play_touches
 from tactiledata.diagnose.touches.played_response import PlayedFamily
@@ -204,7 +205,7 @@ def store_touches(
 
 def too_few(count: int, left_out: dict[str, int]) -> TactileDataError:
     """Return the error of a store with too few usable trajectories: their number, and why the others are left out."""
-    reasons = "; ".join(f"{number} x {reason}" for reason, number in sorted(left_out.items()))
+    reasons = all_left_out(left_out)
     return TactileDataError(
         f"{count} trajectories can be diagnosed{f' ({reasons})' if reasons else ''}",
         f"at least {FEWEST_CASES}, with poses, a known indenter and a contact wrench in the gel frame: whole "

@@ -10,20 +10,19 @@ from typing import Any
 from tactiledata.contract.atomic import write_atomic, write_json_atomic
 from tactiledata.errors import TactileDataError
 from tactiledata.prove.answers.failed import failed_answer
-from tactiledata.prove.answers.named import named_world
+from tactiledata.prove.answers.named import case_readings, named_world
 from tactiledata.prove.cases.configuration import played_plan
 from tactiledata.prove.cases.draw import CaseRequest, drawn_case
 from tactiledata.prove.score.outcome import FAILED
 from tactiledata.prove.seal.folder import (
     ProofFolder,
     read_json,
-    read_readings,
     read_sealed,
     readings_bytes,
     write_sealed,
 )
 from tactiledata.prove.worlds.generators import make_generator
-from tactiledata.prove.worlds.logs import LogReadings, play_logs
+from tactiledata.prove.worlds.logs import play_logs
 from tactiledata.prove.worlds.plan_names import named_plan
 from tactiledata.rig.bank.bank import ContactBank
 from tactiledata.rig.play import RigSetup
@@ -147,7 +146,7 @@ def answer(task: AnswerTask) -> dict[str, Any]:
     attempt = max([task.attempt - 1, *folder.attempts_of(task.name)]) + 1
     began = {"case": task.name, "attempt": attempt, "tool": task.tool}
     write_json_atomic(folder.attempt(task.name, attempt), began)
-    readings = [LogReadings(*one) for one in read_readings(folder.case(task.name))]
+    readings = case_readings(folder, task.name)
     played = played_plan(task.plan, task.bank, task.with_variants)
     started = time.perf_counter()
     try:

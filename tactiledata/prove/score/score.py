@@ -171,6 +171,17 @@ def confusion(cases: Sequence[ScoredCase]) -> dict[str, dict[str, int]]:
     return dict(sorted(found.items()))
 
 
+def signal_words(low: float, high: float | None) -> str:
+    """Return a range of signals in words; the last range has no end.
+
+    Examples
+    --------
+    >>> signal_words(8, 12), signal_words(80, None)
+    ('8 to 12', '80 and more')
+    """
+    return f"{low:g} and more" if high is None or high == np.inf else f"{low:g} to {high:g}"
+
+
 def strength(cases: Sequence[ScoredCase]) -> list[dict[str, Any]]:
     """Return which share of single effects is named, and detected, by the strength of their signals."""
     singles = [case for case in cases if case.kind in SINGLES]
