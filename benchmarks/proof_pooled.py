@@ -26,7 +26,8 @@ from typing import Any
 import numpy as np
 from timing import header, table
 
-from tactiledata.prove.cases.kinds import NULLS
+from tactiledata.prove.cases.kinds import NULLS, OUTSIDE
+from tactiledata.prove.cases.truth import TOLD_ALIKE
 from tactiledata.prove.request import ProofRequest
 from tactiledata.prove.score.score import SIGNALS, met_words, score_of, signal_words
 from tactiledata.prove.score.scored_case import ScoredCase
@@ -126,8 +127,16 @@ def strength_rows(score: Mapping[str, Any]) -> list[tuple[str, ...]]:
     return rows
 
 
+def outside_row(cases: Sequence[ScoredCase]) -> list[tuple[str, str]]:
+    """A row on wrong names outside the catalogue, if there are any: how often the answer tells of what is hidden."""
+    wrong = [case for case in cases if case.kind == OUTSIDE and case.is_wrong_name]
+    told = sum(TOLD_ALIKE.get(case.hidden) in case.answer["names"] for case in wrong)
+    what = "wrong names outside the catalogue whose answer says that what is hidden gets that name"
+    return [(what, f"{told} of {len(wrong)}")] if wrong else []
+
+
 def other_rows(score: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Rows of what is no share: size of the set, error of the probabilities, material, gap."""
+    """Rows of other numbers: size of the set, error of the probabilities, material, gap."""
     rows = [("effects in the set of named single effects, mean", f"{score['mean_set']}")]
     rows.append(("error of the probabilities (ECE), all cases", f"{score['probabilities']['ece']}"))
     if score["material"]:
@@ -185,7 +194,7 @@ def print_all(paths: Sequence[Path], picture: Path | None) -> None:
     score = score_of(cases)
     table(("what", "target", "found", "95 % interval", "over configurations", ""), target_rows(score))
     table(("signal of single effects", "named", "named or in the set"), strength_rows(score))
-    table(("what", "found"), other_rows(score))
+    table(("what", "found"), [*other_rows(score), *outside_row(cases)])
     if picture:
         draw(picture, cases)
 

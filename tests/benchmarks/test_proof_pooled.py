@@ -11,6 +11,11 @@ from proof_pooled import PAGES, written_anew
 from sealed_proofs import REQUEST, answered_proof
 
 from tactiledata.contract.atomic import write_json_atomic
+from tactiledata.effects import EFFECTS
+from tactiledata.prove.cases.kinds import OUTSIDE, VISIBLE
+from tactiledata.prove.cases.truth import OUTSIDE as OUTSIDE_EFFECTS
+from tactiledata.prove.cases.truth import TOLD_ALIKE
+from tactiledata.prove.score.scored_case import ScoredCase
 from tactiledata.prove.seal.folder import FORMAT
 from tactiledata.prove.seal.published import opened_proof
 from tactiledata.prove.seal.verify import verify
@@ -116,3 +121,32 @@ def test_an_interval_that_is_not_known_is_a_dash():
     target = {"what": "a", "target": "b", "right": 1, "count": 2, "is_met": True, "is_certain": True}
     (row,) = proof_pooled.target_rows({"targets": [{**target, "interval": [0.1, 0.9], "over_configurations": None}]})
     assert row[3:5] == ("10 to 90 %", "-")
+
+
+def answered(kind, hidden, names):
+    """A case that hides an effect, and an answer with these names."""
+    label = {"kind": kind, "hidden": [{"effect": hidden}], "truth": [] if kind == OUTSIDE else [hidden], "sight": {}}
+    answer = {"verdict": "partly explained" if names else "not explained", "names": names, "set": names, "zeros": []}
+    return ScoredCase("a1", label, answer, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("kind", "hidden", "names", "row"),
+    [
+        (OUTSIDE, "drainage", ["relaxation"], "1 of 1"),
+        (OUTSIDE, "drainage", ["lag"], "0 of 1"),
+        (OUTSIDE, "anisotropy", ["soft_region"], "0 of 1"),
+        # no name, and an effect of the catalogue: there is nothing to tell of
+        (OUTSIDE, "drainage", [], None),
+        (VISIBLE, "lag", ["relaxation"], None),
+    ],
+)
+def test_wrong_names_that_the_answer_tells_of_are_counted(kind, hidden, names, row):
+    """Water that drains is called relaxation, and that answer says so; of another name it says nothing."""
+    assert [found for _, found in proof_pooled.outside_row([answered(kind, hidden, names)])] == [row] * bool(row)
+
+
+def test_what_is_told_alike_is_outside_the_catalogue_and_told():
+    """Each such effect is none of the catalogue, and the effect whose name it gets has words for it."""
+    assert set(TOLD_ALIKE) <= set(OUTSIDE_EFFECTS)
+    assert all(EFFECTS[name].unlisted_look_alike for name in TOLD_ALIKE.values())
