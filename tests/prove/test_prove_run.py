@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -20,6 +21,7 @@ from tactiledata.effects import EFFECTS
 from tactiledata.effects.simulate.simulator import unbalanced
 from tactiledata.errors import UsageError
 from tactiledata.prove.answers import tasks
+from tactiledata.prove.answers.failed import failed_answer
 from tactiledata.prove.cases.configuration import Configuration
 from tactiledata.prove.cases.draw import is_of_kind
 from tactiledata.prove.cases.kinds import Sight
@@ -28,11 +30,13 @@ from tactiledata.prove.cases.strengths import drawn_parameters
 from tactiledata.prove.request import QUICK, ProofRequest
 from tactiledata.prove.run import ProofRun
 from tactiledata.prove.seal.folder import ProofFolder
-from tactiledata.prove.seal.verify import verify
+from tactiledata.prove.seal.published import opened_proof
+from tactiledata.prove.seal.verify import scored_cases, verify
 from tactiledata.prove.worlds import played_plan
 from tactiledata.prove.worlds.plan_names import named_plan
 from tactiledata.rig.hidden.effects import HIDDEN_EFFECTS
 
+PROOFS = Path(__file__).parents[2] / "docs" / "proofs"
 COMMAND = [sys.executable, "-c", "from tactiledata.cli.main import run; run()", "prove"]
 CASES = ["--generators", "analytic", "--plans", "coarse-0", "--mismatch", "0", "--nulls", "1", "--drawn", "1"]
 CASES += ["--no-variants"]  # of a coarse plan, no candidate needs another gel
@@ -131,7 +135,7 @@ def test_a_diagnosis_that_fails_is_an_answer_and_the_others_go_on(tmp_path, monk
         return SimpleNamespace(document=said([]))
 
     monkeypatch.setattr(tasks, "named_world", named)
-    monkeypatch.setattr(tasks, "read_readings", lambda path: [])
+    monkeypatch.setattr(tasks, "case_readings", lambda folder, name: [])
     for name in seal["cases"]:
         monkeypatch.setattr(tasks, "played_plan", lambda plan, bank, with_variants, name=name: name)
         tasks.answer(tasks.AnswerTask(folder, name, 1, "coarse-0", tmp_path, seal["tool"]["digest"], True, True, False))
@@ -148,6 +152,14 @@ def test_a_diagnosis_that_fails_is_an_answer_and_the_others_go_on(tmp_path, monk
     run.answer(seal)
     assert not told
     assert not verify(folder).faults
+
+
+def test_an_answer_after_an_error_has_the_keys_of_every_answer():
+    """What reads answers finds in it whatever an answer of a published proof has."""
+    with opened_proof(max(PROOFS.glob("*.zip"))) as folder:
+        found = [case.answer for case in scored_cases(folder)]
+    assert found
+    assert all(set(failed_answer(unbalanced(0.017, 30))) == set(answer) for answer in found)
 
 
 @pytest.mark.slow

@@ -9,7 +9,7 @@ from tactiledata.prove.score.outcome import FAILED
 
 
 def failed_answer(error: TactileDataError) -> dict[str, Any]:
-    """Return the document of an answer, as `NamedWorld.document` has it, where the diagnosis ended in an error.
+    """Return the document of an answer where the diagnosis ended in an error, with the keys of `NamedWorld.document`.
 
     Parameters
     ----------
@@ -24,6 +24,8 @@ def failed_answer(error: TactileDataError) -> dict[str, Any]:
         "nearest": [],
         "objections": [f"the diagnosis ended in an error: {error}"],
         "probabilities": {},
+        "dispersion": None,
+        "at_large": None,
         "candidates": [],
         "screen": [],
         "undetectable": [],
