@@ -106,7 +106,7 @@ def surface_response(pad: FactorisedPad, surface: ContactSurface) -> NDArray[np.
 
     The result is cached on disk in ``cache_folder``, by mesh and Poisson's ratio; an unreadable file is made again.
     """
-    key = f"{pad.digest[:24]}-{pad.poisson_ratio!r}-{LAYOUT}"
+    key = f"{pad.digest[:24]}-{float(pad.poisson_ratio)!r}-{LAYOUT}"
     path = cache_folder() / "gel" / f"{key}.npy"
     shape = (len(surface.nodes), 3, len(surface.corners), 3)
     cached = _load(path, shape)

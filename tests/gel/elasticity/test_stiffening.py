@@ -94,6 +94,14 @@ def test_a_stiff_skin_is_felt_and_is_not_read_from_another_gel_s_cache(pad):
     assert np.abs(stiff - plain).max() > 0.1 * np.abs(plain).max()
 
 
+def test_the_same_gel_is_kept_once(pad, tmp_path, monkeypatch):
+    """A Poisson's ratio from an array is the same number: its compliance is read from the same file."""
+    monkeypatch.setenv("TACTILEDATA_CACHE", str(tmp_path))
+    for ratio in (0.47, np.float64(0.47)):
+        surface_response(FactorisedPad(pad, cell_quadrature(pad), ratio), contact_surface(pad))
+    assert len(list(tmp_path.rglob("*.npy"))) == 1
+
+
 @pytest.mark.slow
 def test_stiffening_grows_with_depth(pad):
     """Yeoh's terms raise the force by a share that grows with depth."""
