@@ -7,7 +7,6 @@ fit is done again. What is left is the error of slopes, and of the solver's tole
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,13 +17,9 @@ from tactiledata.calibrate.experiment import Experiment
 from tactiledata.calibrate.fit import Fit, fit
 from tactiledata.calibrate.measured import Measured
 from tactiledata.calibrate.options import CalibrationOptions
-from tactiledata.calibrate.plays.kept_plays import Play
 from tactiledata.calibrate.plays.player import play_at
 from tactiledata.calibrate.response import Response
-from tactiledata.calibrate.touches import MeasuredTouch
 from tactiledata.compute.base import Scheduler
-from tactiledata.gel.make_engine import Mechanics
-from tactiledata.gel.mesh.pad import PadMesh
 
 MOST_CORRECTIONS = 2
 """Corrections, at most: more do not settle, since plays are smooth in nu and mu only to the solver's tolerance."""
@@ -33,28 +28,6 @@ MOST_TOGETHER = 7
 SETTLED = 0.2
 """Share of a 95 % interval: where E, nu and mu all move by less, a second correction would move them by less than a
 tenth, which is what plays at nearly the same place differ by: docs/decisions/0089."""
-
-
-@dataclass(frozen=True)
-class _GelAtOptimum:
-    """The gel at an optimum, and the engine that simulates it."""
-
-    mesh: PadMesh
-    mechanics: Mechanics
-    ratio: float
-    friction: float
-
-
-@dataclass(frozen=True)
-class _TouchGroup:
-    """Touches that are simulated together at an optimum, each at its own contact offset; must pickle."""
-
-    gel: _GelAtOptimum
-    touches: tuple[MeasuredTouch, ...]
-    offsets: Array
-
-    def __str__(self) -> str:
-        return f"{len(self.touches)} touches at the optimum"
 
 
 @dataclass(frozen=True)
@@ -106,8 +79,9 @@ def corrected_fit(
         modulus, ratio, friction = (float(value) for value in optimum.parameters)
         # rounded to nanometres, so that a fit repeated elsewhere finds the same kept plays
         offsets = np.round(optimum.offsets, 9)
-        gel = _GelAtOptimum(measured.mesh, options.mechanics, ratio, friction)
-        plays = _simulated(gel, experiment.touches, offsets, runner)
+        plays = play_at(
+            measured.mesh, options.mechanics, experiment.touches, ratio, friction, offsets, runner, MOST_TOGETHER
+        )
         response = experiment.response
         difference = experiment.rows([play.wrench for play in plays]) - interpolated(response, ratio, friction, offsets)
         error = _size(modulus * difference)
@@ -121,21 +95,6 @@ def corrected_fit(
     modulus, ratio, friction = (float(value) for value in optimum.parameters)
     wrenches = modulus * interpolated(experiment.response, ratio, friction, optimum.offsets)
     return CorrectedFit(optimum, experiment, wrenches, error)
-
-
-def _simulated(gel: _GelAtOptimum, touches: Sequence[MeasuredTouch], offsets: Array, runner: Scheduler) -> list[Play]:
-    """Return the plays of touches at an optimum, simulated in groups of about the same size."""
-    count = max(1, -(-len(touches) // MOST_TOGETHER))
-    groups = [_TouchGroup(gel, tuple(touches[part::count]), offsets[part::count]) for part in range(count)]
-    # the touches were dealt out to the groups in turn
-    plays = [iter(outcome.value) for outcome in runner.outcomes(_played_group, groups, count)]
-    return [next(plays[number % count]) for number in range(len(touches))]
-
-
-def _played_group(group: _TouchGroup) -> list[Play]:
-    """Return the plays of a group; workers execute this function."""
-    gel = group.gel
-    return play_at(gel.mesh, gel.mechanics, group.touches, gel.ratio, gel.friction, group.offsets)
 
 
 def interpolated(response: Response, ratio: float, friction: float, offsets: Array) -> Array:

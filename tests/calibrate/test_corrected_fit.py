@@ -22,13 +22,13 @@ OPTIONS = CalibrationOptions(hold_out=0.0, shape_error=0.0)
 
 @pytest.fixture
 def world(monkeypatch):
-    """A world in closed form that plays its touches exactly; ``asked`` has the touches of each group, by optimum."""
+    """A world in closed form that plays its touches exactly; ``asked`` has touches and batch size by optimum."""
     made = ClosedFormWorld(count=10)
     made.asked = {}
 
-    def play(mesh, mechanics, touches, ratio, friction, offsets):
+    def play(mesh, mechanics, touches, ratio, friction, offsets, runner, most_together):
         places = [int(touch.uid.removeprefix("uid")) for touch in touches]
-        made.asked.setdefault((ratio, friction), []).append(places)
+        made.asked.setdefault((ratio, friction), []).append((places, most_together))
         every = np.zeros(made.count)
         every[places] = offsets
         wrenches = made.wrench(ratio, friction, every).reshape(made.count, FRAMES, 6)
@@ -86,18 +86,17 @@ def test_a_fit_that_moves_is_corrected_again_and_one_that_stays_is_not(world):
     assert len(world.asked) == MOST_CORRECTIONS
 
 
-def test_touches_are_simulated_in_small_groups_and_each_once(world):
-    """Ten touches make two groups of five: a touch that is hard to solve holds up four others only."""
+def test_touches_are_simulated_in_small_batches_and_each_once(world):
+    """All touches are asked for once, in batches of at most seven: one that is hard to solve holds up six others."""
     fitted(world, distorted(world, 0.0))
-    (groups,) = world.asked.values()
-    assert [len(group) for group in groups] == [5, 5]
-    assert sorted(place for group in groups for place in group) == list(range(world.count))
+    ((asked,),) = world.asked.values()
+    assert asked == (list(range(world.count)), 7)
 
 
 def test_a_frame_that_cannot_be_solved_is_not_corrected(world, monkeypatch):
     """A frame that the play at the optimum did not solve keeps its response; if none is solved, both errors are NaN."""
 
-    def play(mesh, mechanics, touches, ratio, friction, offsets):
+    def play(mesh, mechanics, touches, ratio, friction, offsets, runner, most_together):
         unsolved = np.full(FRAMES, FrameStatus.NOT_CONVERGED, np.int8)
         return [Play(np.full((FRAMES, 6), np.nan), unsolved, np.zeros(FRAMES))] * len(touches)
 

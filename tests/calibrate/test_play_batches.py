@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from small_plays import PAD, press
 
-from tactiledata.calibrate.plays import player
 from tactiledata.calibrate.plays.play_batches import effort_of, play_batches
 from tactiledata.calibrate.plays.player import PlayBatch, play_at
 from tactiledata.contract.progress import following
@@ -94,8 +93,7 @@ def test_touches_at_their_own_offsets_are_dealt_out_and_come_back_in_order(tmp_p
     shifted = tuple(touch.deeper(float(offset)) for touch, offset in zip(touches, offsets, strict=True))
     together = PlayBatch(PAD, "linear", 0.46, 0.7, shifted).play()
     monkeypatch.setenv("TACTILEDATA_CACHE", str(tmp_path / "parts"))
-    monkeypatch.setattr(player, "MOST_TOGETHER", 2)
-    in_parts = play_at(PAD, "linear", touches, 0.46, 0.7, offsets)
+    in_parts = play_at(PAD, "linear", touches, 0.46, 0.7, offsets, most_together=2)
     loads = [float(np.nanmax(play.wrench[:, 2])) for play in together]
     assert len(set(loads)) == 5
     for one, other in zip(together, in_parts, strict=True):

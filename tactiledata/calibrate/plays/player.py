@@ -306,6 +306,7 @@ def play_at(
     friction: float,
     offsets: Array,
     runner: Scheduler | None = None,
+    most_together: int = MOST_TOGETHER,
 ) -> list[Play]:
     """Simulate touches at one nu and mu, each at its own contact offset.
 
@@ -323,9 +324,11 @@ def play_at(
         By how much each indenter is deeper than recorded.
     runner : Scheduler, optional
         Where the touches are simulated; in this process where it is ``None``.
+    most_together : int
+        Touches that are simulated in one batch, at most: fewer are dealt out more evenly to several workers.
     """
     shifted = tuple(touch.deeper(float(offset)) for touch, offset in zip(touches, offsets, strict=True))
-    parts = max(1, -(-len(shifted) // MOST_TOGETHER))
+    parts = max(1, -(-len(shifted) // most_together))
     batches = [PlayBatch(mesh, mechanics, ratio, friction, shifted[part::parts]) for part in range(parts)]
     # the touches were dealt out to the parts in turn
     plays = [iter(of_part) for of_part in play_batches(batches, runner)]
