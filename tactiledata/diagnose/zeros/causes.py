@@ -132,6 +132,8 @@ def zero_causes(zeros: ForceZeros, seed: int = 0, band: float = 0.0) -> list[Zer
         if within is not None:
             weight = "forces are wrong by as much" if cause.matters else "too little to matter"
             cause = replace(cause, words=f"{words}: {within:.3f} N, {weight}.")
+        elif best.alike:
+            cause = replace(cause, words=f"{cause.words} {best.alike}")
         causes.append(cause)
         taken, before = design, after
     drifts = [cause for cause in causes if cause.effect == "sensor_drift"]

@@ -39,6 +39,8 @@ class ZeroModel:
     within : (n,), optional
         Change of the zero from a piece of free air to the end of its trajectory, N, for each newton that the model's
         forces have in the end.
+    alike : str
+        Sentence on what else reads so in free air; empty where nothing is known.
     """
 
     effect: str
@@ -46,6 +48,7 @@ class ZeroModel:
     values: Callable[[Array], dict[str, float]]
     words: Callable[[dict[str, float]], str]
     within: Array | None = None
+    alike: str = ""
 
     def change_within(self, values: Mapping[str, float]) -> float | None:
         """Return the root mean square of the change of the zero's force from a piece of free air to the end of its
@@ -86,6 +89,7 @@ def _weight(zeros: ForceZeros, scale: Array) -> ZeroModel:
             f"the force follows the direction of gravity: the mass of the tool differs by {1e3 * values['mass']:+.0f} g"
             f" from robot.tool in log.yaml, with a moment of {_moment(values)} g mm about the force sensor"
         ),
+        alike="A sensor with a wrong gain or with cross-talk reads so, too, of the weight that it carries.",
     )
 
 
@@ -141,6 +145,7 @@ def _cable(zeros: ForceZeros, scale: Array) -> ZeroModel:
             for k, name in enumerate(("sine", "cosine", "wrist", "friction"))
         },
         words,
+        alike="Cross-talk of the sensor can read so, too: the weight of the tool turns with the hand.",
     )
 
 

@@ -27,6 +27,9 @@ def test_a_heavier_tool_is_found_with_its_mass_and_moment():
     assert cause.values["mass"] == pytest.approx(0.05, rel=0.15)
     assert cause.values["moment_z"] == pytest.approx(0.05 * 0.03, rel=0.3)
     assert "+5" in cause.words
+    assert cause.words.endswith(
+        "A sensor with a wrong gain or with cross-talk reads so, too, of the weight that it carries."
+    )
     assert cause.after < 0.7 * cause.before
 
 
@@ -46,6 +49,7 @@ def test_a_drift_matters_where_it_changes_the_zero_within_a_trajectory(drift, ma
     assert cause.within == pytest.approx(np.sqrt(((10.0 * speed) ** 2).mean()), rel=0.3)
     assert cause.matters == matters
     assert ("too little to matter" in cause.words) == (not matters)
+    assert cause.words.endswith("wrong by as much." if matters else "too little to matter.")
 
 
 def test_a_cable_is_found_where_joints_are_known():
@@ -53,6 +57,7 @@ def test_a_cable_is_found_where_joints_are_known():
     with_cable = zeros(cable=0.3)
     (cause,) = zero_causes(with_cable)
     assert cause.effect == "cable_drag"
+    assert cause.words.endswith("can read so, too: the weight of the tool turns with the hand.")
     unknown = ForceZeros(**{**vars(with_cable), "joints": None})
     assert not zero_causes(unknown)
 
