@@ -1,4 +1,4 @@
-"""Why the zero of a force sensor differs from trajectory to trajectory: weight of the tool, drift, or cable drag."""
+"""Why the zero of a force sensor differs from trajectory to trajectory: weight, frame, cross-talk, drift, or cable."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from tactiledata.diagnose.residuals.wording import p_words, percent
 from tactiledata.diagnose.zeros.readings import ForceZeros
 from tactiledata.diagnose.zeros.wander import wandering_zero
 from tactiledata.diagnose.zeros.zero_models import FEWEST, centred, scatter_of, zero_models
+from tactiledata.effects import EFFECTS
 
 DRAWS = 299
 """Permutations of trajectories in each test: the smallest p-value is 1 / 300."""
@@ -23,6 +24,8 @@ WORTH = 0.2
 """Least share of the held-out squares beyond the noise that a cause must explain to be reported."""
 LEAST = 0.02
 """Least root mean square of the zeros' force in N; smaller differences are not analysed."""
+CONTAINS = {"gain_crosstalk": ("tool_weight", "frame_rotation")}
+"""Causes with those that are special cases of them: where the wider one explains more, these are not reported."""
 WITHIN = 0.01
 """Change of the zero from the free air to the end of a trajectory, N, up to which a drift does not matter: a fit allows
 every trajectory as much (`tactiledata.diagnose.touches.own_errors.OwnErrors`)."""
@@ -35,7 +38,8 @@ class ZeroCause:
     Parameters
     ----------
     effect : str
-        Name in the catalogue of effects: ``tool_weight``, ``sensor_drift`` or ``cable_drag``.
+        Name in the catalogue of effects: ``tool_weight``, ``frame_rotation``, ``gain_crosstalk``, ``sensor_drift`` or
+        ``cable_drag``.
     p : float
         p-value by permutation of whole trajectories.
     explained : float
@@ -50,6 +54,8 @@ class ZeroCause:
     within : float, optional
         Root mean square of the change of the zero's force from the free air to the end of a trajectory, N, by a cause
         that acts while the arm rests; ``None`` for the others.
+    alike : tuple of str
+        Effects of the catalogue that would read the same in free air.
     """
 
     effect: str
@@ -60,6 +66,7 @@ class ZeroCause:
     values: dict[str, float]
     words: str
     within: float | None = None
+    alike: tuple[str, ...] = ()
 
     @property
     def matters(self) -> bool:
@@ -128,17 +135,40 @@ def zero_causes(zeros: ForceZeros, seed: int = 0, band: float = 0.0) -> list[Zer
             " forces contain only what changes within a trajectory"
         )
         within = best.change_within(values)
-        cause = ZeroCause(best.effect, p, explained, before, after, values, f"{words}.", within)
+        alike = best.alike(values)
+        cause = ZeroCause(best.effect, p, explained, before, after, values, f"{words}.", within, alike)
         if within is not None:
             weight = "forces are wrong by as much" if cause.matters else "too little to matter"
             cause = replace(cause, words=f"{words}: {within:.3f} N, {weight}.")
-        elif best.alike:
-            cause = replace(cause, words=f"{cause.words} {best.alike}")
-        causes.append(cause)
+        elif cause.alike:
+            titles = " or ".join(EFFECTS[name]().title for name in cause.alike)
+            cause = replace(cause, words=f"{cause.words} In free air, {titles} would read the same.")
+        # cross-talk contains a weight and a turned frame that were taken for it
+        contained = [one for one in causes if one.effect in CONTAINS.get(cause.effect, ())]
+        if contained:
+            cause = replace(cause, before=contained[0].before)
+        causes = [*(one for one in causes if one not in contained), cause]
         taken, before = design, after
     drifts = [cause for cause in causes if cause.effect == "sensor_drift"]
     wander = _wander(zeros, drifts, band, seed)
     return causes if wander is None else [*(cause for cause in causes if cause not in drifts), wander]
+
+
+def beside_claims(causes: Sequence[ZeroCause], claimed: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Return the effects that readings in free air show beside those that a fit claims, and what they may be as well.
+
+    A cause is no second effect where a claimed one reads the same in free air.
+
+    Parameters
+    ----------
+    causes : sequence of ZeroCause
+        What the zeros follow; those that do not matter are left out.
+    claimed : sequence of str
+        Names of the effects that a fit claims.
+    """
+    shown = [cause for cause in causes if cause.matters and not set(cause.alike) & set(claimed)]
+    alike = [name for cause in shown if cause.effect not in claimed for name in cause.alike]
+    return [cause.effect for cause in shown], list(dict.fromkeys(alike))
 
 
 def _wander(zeros: ForceZeros, drifts: Sequence[ZeroCause], band: float, seed: int) -> ZeroCause | None:

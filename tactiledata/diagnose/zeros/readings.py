@@ -12,6 +12,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from tactiledata.arrays import Array, Indices
+from tactiledata.contract.description import LogDescription
 from tactiledata.contract.records import Stamps
 from tactiledata.contract.take import StoredSignal
 from tactiledata.diagnose.touches.rest_means import position_jitter
@@ -56,6 +57,9 @@ class ForceZeros:
         Time from the piece to the end of its trajectory.
     joints : (n, 6) rad, optional
         Joint angles of the robot; ``None`` where any piece lacks them.
+    weight : (n, 6) N, N m, optional
+        Weight of the tool as ``log.yaml`` states it, as a load on the sensor in its frame; ``None`` where any piece
+        lacks it.
     """
 
     load: Array
@@ -65,6 +69,7 @@ class ForceZeros:
     seconds: Array
     remaining: Array
     joints: Array | None
+    weight: Array | None = None
 
     def __len__(self) -> int:
         return len(self.load)
@@ -89,6 +94,8 @@ class _FreeAir:
         Poses of the tool.
     ft_from_tcp : (3, 3)
         Rotation of the force sensor's frame.
+    description : LogDescription
+        What the log says of the tool.
     """
 
     stretches: list[tuple[int, Array, Indices]]
@@ -96,6 +103,7 @@ class _FreeAir:
     ends_ns: int
     tcp: StoredSignal
     ft_from_tcp: Array
+    description: LogDescription
 
 
 class StoreReadings:
@@ -115,7 +123,7 @@ class StoreReadings:
         pieces = [
             piece for number, air in enumerate(self._free_air) if air is not None for piece in self._pieces(number, air)
         ]
-        joints = [piece["joints"] for piece in pieces]
+        joints, weights = ([piece[name] for piece in pieces] for name in ("joints", "weight"))
         return ForceZeros(
             np.array([piece["load"] for piece in pieces]).reshape(-1, 6),
             np.array([piece["trajectory"] for piece in pieces], dtype=np.int64),
@@ -124,6 +132,7 @@ class StoreReadings:
             np.array([piece["seconds"] for piece in pieces], dtype=np.float64),
             np.array([piece["remaining"] for piece in pieces], dtype=np.float64),
             np.array(joints) if joints and all(angles is not None for angles in joints) else None,
+            np.array(weights) if weights and all(weight is not None for weight in weights) else None,
         )
 
     def logged(self) -> list[Array]:
@@ -153,8 +162,9 @@ class StoreReadings:
         # one mean reading for each piece, with pose and joints at its middle
         listed = []
         parts = [(*stretch, part) for stretch in air.stretches for part in pieces_of(len(stretch[1]))]
-        for zeroed, readings, t_ns, part in parts:
-            middle = int(t_ns[part[len(part) // 2]])
+        middles = [int(t_ns[part[len(part) // 2]]) for _, _, t_ns, part in parts]
+        weights = tool_weight(air.description, air.tcp, np.array(middles, dtype=np.int64)) if middles else None
+        for place, (middle, (zeroed, readings, _, part)) in enumerate(zip(middles, parts, strict=True)):
             pose = pose_matrices(_nearest(air.tcp, middle)[None])[0]
             angles = None if joints is None else _nearest(joints, middle)[:6]
             listed.append({
@@ -165,6 +175,7 @@ class StoreReadings:
                 "seconds": (middle - since) / 1e9,
                 "remaining": (air.ends_ns - middle) / 1e9,
                 "joints": angles,
+                "weight": None if weights is None else weights[place],
             })  # fmt: skip
         return [piece for piece in listed if np.isfinite(piece["load"]).all() and np.isfinite(piece["down"]).all()]
 
@@ -186,7 +197,8 @@ class StoreReadings:
         # stretches of free air between tares
         tare_ns = [int(moment) for moment in stated.get("tare_ns", [])]
         stretches = free_air_between(load, wrench.t_ns, tare_ns, zeros_at(description, tcp, tare_ns))
-        return _FreeAir(stretches, int(wrench.t_ns[0]), int(wrench.t_ns[-1]), tcp, tcp_from_ft.inverse().rotation)
+        turn = tcp_from_ft.inverse().rotation
+        return _FreeAir(stretches, int(wrench.t_ns[0]), int(wrench.t_ns[-1]), tcp, turn, description)
 
     def _signal(self, stream: str, spans: Mapping[str, Any]) -> StoredSignal | None:
         """Return the finite rows of a stream, such as ``"wrench"``, in one trajectory; ``None`` where there are none.

@@ -1,4 +1,4 @@
-"""Linear models of what the zero of a force sensor may follow: weight of the tool, drift, drag of the cable."""
+"""Linear models of what the zero of a force sensor may follow: weight, a turned frame, cross-talk, drift, a cable."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from tactiledata.arrays import Array
 from tactiledata.diagnose.zeros.readings import ForceZeros
@@ -16,10 +17,20 @@ GRAVITY = 9.81
 TIMES = (100.0, 300.0, 900.0, 2700.0)
 """Time constants of a drift that are tried, in s."""
 FEWEST = 8
-"""Fewest trajectories with readings in free air; the cable, with its 24 columns, needs twice as many."""
+"""Fewest trajectories with readings in free air; cable and cross-talk, with their many columns, need twice as many."""
 CABLE_PLAY = 0.1
 """Turn of the last joint, rad, over which the friction of a cable changes from one direction to the other: the play of
 `tactiledata.effects.sensor.cable_drag.CableDrag` that is usual. Joints turn farther between two touches."""
+
+
+GAIN, ARM = 0.1, 0.005
+"""Largest share of a component that shows in itself or another, and torque by a force, m, of a sensor whose cross-talk
+may pass for another weight or a turned frame: twice what is plausible of `effects.sensor.gain_crosstalk.GainCrosstalk`.
+"""
+
+
+LEAST_TURN = 0.01
+"""Root mean square change of the direction of gravity along its second line, rad, from which on a turn is found."""
 
 
 @dataclass(frozen=True)
@@ -39,8 +50,8 @@ class ZeroModel:
     within : (n,), optional
         Change of the zero from a piece of free air to the end of its trajectory, N, for each newton that the model's
         forces have in the end.
-    alike : str
-        Sentence on what else reads so in free air; empty where nothing is known.
+    alike : callable
+        Makes the names of other effects that read the same in free air, of the fitted numbers.
     """
 
     effect: str
@@ -48,7 +59,7 @@ class ZeroModel:
     values: Callable[[Array], dict[str, float]]
     words: Callable[[dict[str, float]], str]
     within: Array | None = None
-    alike: str = ""
+    alike: Callable[[Mapping[str, float]], tuple[str, ...]] = lambda values: ()
 
     def change_within(self, values: Mapping[str, float]) -> float | None:
         """Return the root mean square of the change of the zero's force from a piece of free air to the end of its
@@ -68,6 +79,11 @@ class ZeroModel:
 def zero_models(zeros: ForceZeros, scale: Array) -> list[ZeroModel]:
     """Return the models that these data allow, without those whose columns never change."""
     listed = [_weight(zeros, scale)]
+    # of a weight that is not stated nobody knows how it would be read
+    if zeros.weight is not None:
+        listed.append(_turned(zeros, zeros.weight, scale))
+        if zeros.trajectories >= 2 * FEWEST:
+            listed.append(_cross_talk(zeros, scale))
     listed += [_drift(zeros, scale, time) for time in TIMES]
     if zeros.joints is not None and zeros.trajectories >= 2 * FEWEST:
         listed.append(_cable(zeros, scale))
@@ -89,8 +105,89 @@ def _weight(zeros: ForceZeros, scale: Array) -> ZeroModel:
             f"the force follows the direction of gravity: the mass of the tool differs by {1e3 * values['mass']:+.0f} g"
             f" from robot.tool in log.yaml, with a moment of {_moment(values)} g mm about the force sensor"
         ),
-        alike="A sensor with a wrong gain or with cross-talk reads so, too, of the weight that it carries.",
+        alike=lambda values: ("gain_crosstalk",) if _is_small(values, zeros.weight) else (),
     )
+
+
+def _is_small(values: Mapping[str, float], weight: Array | None) -> bool:
+    """Return whether a gain or a cross-talk of usual size reads the stated weight (n, 6) as this mass and moment more.
+
+    ``False`` where no weight is stated.
+    """
+    if weight is None:
+        return False
+    sizes = weight.reshape(-1, 2, 3) / GRAVITY
+    mass, moment = (float(_sizes(part).max()) for part in (sizes[:, 0], sizes[:, 1]))
+    more = float(np.linalg.norm([values[f"moment_{axis}"] for axis in "xyz"]))
+    return abs(values["mass"]) <= GAIN * mass and more <= GAIN * moment + ARM * mass
+
+
+def _turned(zeros: ForceZeros, weight: Array, scale: Array) -> ZeroModel:
+    """Return the model of a sensor whose frame is turned: it reads the weight (n, 6) of its tool turned.
+
+    It is linear about the turn that fits all forces best, or about none where the weight changes along one line only.
+    """
+    met = centred(zeros, weight[:, :3])
+    ways = np.linalg.svd(met / max(_sizes(weight[:, :3]).max(), 1e-9), compute_uv=False)
+    near = Rotation.identity()
+    if ways[1] > LEAST_TURN * np.sqrt(len(met)):
+        near = Rotation.align_vectors(centred(zeros, zeros.load)[:, :3] + met, met)[0]
+    parts = [near.apply(part) for part in (weight[:, :3], weight[:, 3:])]
+    columns = np.zeros((len(zeros), 6, 4))
+    columns[:, :, 0] = np.hstack(parts) - weight
+    for axis in range(3):
+        columns[:, :, 1 + axis] = np.hstack([np.cross(np.eye(3)[axis], part) for part in parts])
+
+    def values(numbers: Array) -> dict[str, float]:
+        """The turn about each axis, rad."""
+        turn = Rotation.from_rotvec(numbers[1:]) * Rotation.from_rotvec(numbers[0] * near.as_rotvec())
+        return dict(zip(("tilt_x", "tilt_y", "yaw"), turn.as_rotvec().tolist(), strict=True))
+
+    def words(values: dict[str, float]) -> str:
+        """A clause on the turn, in degrees."""
+        turns = ", ".join(f"{np.degrees(turn):+.1f}" for turn in values.values())
+        return (
+            f"the force follows the direction of gravity as a turned sensor reads the weight of its tool: its frame is"
+            f" turned by ({turns}) degrees about x, y and z from robot.tcp_from_ft in log.yaml"
+        )
+
+    return ZeroModel(
+        "frame_rotation",
+        _shaped(zeros, columns, scale),
+        values,
+        words,
+        alike=lambda values: ("gain_crosstalk",) if max(map(abs, values.values())) <= GAIN else (),
+    )
+
+
+def _cross_talk(zeros: ForceZeros, scale: Array) -> ZeroModel:
+    """Return the model of cross-talk: each component follows the direction of gravity by three numbers of its own.
+
+    A weight and a turned frame are special cases of it.
+    """
+    columns = np.einsum("ij,nk->nijk", np.eye(6), zeros.down).reshape(len(zeros), 6, 18)
+    turned = centred(zeros, columns)
+
+    def values(numbers: Array) -> dict[str, float]:
+        """Largest change of force, N, and of torque, N m, over the directions of gravity that were met."""
+        change = turned @ numbers
+        return {"force": float(_sizes(change[:, :3]).max()), "torque": float(_sizes(change[:, 3:]).max())}
+
+    return ZeroModel(
+        "gain_crosstalk",
+        _shaped(zeros, columns, scale),
+        values,
+        lambda values: (
+            f"the force follows the direction of gravity, by up to {values['force']:.2f} N and"
+            f" {values['torque']:.3f} N m, as no weight and no turn of the sensor's frame would: as of a sensor with"
+            " cross-talk"
+        ),
+    )
+
+
+def _sizes(rows: Array) -> Array:
+    """Return the norm (n,) of each of the rows (n, 3)."""
+    return np.asarray(np.linalg.norm(rows, axis=1))
 
 
 def _moment(values: dict[str, float]) -> str:
@@ -145,7 +242,6 @@ def _cable(zeros: ForceZeros, scale: Array) -> ZeroModel:
             for k, name in enumerate(("sine", "cosine", "wrist", "friction"))
         },
         words,
-        alike="Cross-talk of the sensor can read so, too: the weight of the tool turns with the hand.",
     )
 
 

@@ -14,7 +14,7 @@ from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.touches.grid_answer import TouchPlays
 from tactiledata.diagnose.touches.played_response import PlayedFamily
 from tactiledata.diagnose.touches.touch_case import TouchSet
-from tactiledata.diagnose.zeros.causes import zero_causes
+from tactiledata.diagnose.zeros.causes import beside_claims, zero_causes
 from tactiledata.effects.touch.response import GelVariant
 from tactiledata.prove.seal.folder import ProofFolder, read_readings
 from tactiledata.prove.worlds.logs import LogReadings
@@ -55,10 +55,11 @@ class NamedWorld:
         document = answer.document
         best = self.naming.decision.best
         causes = zero_causes(self.recorded.zeros, band=self.recorded.dead_band)
+        shown, alike = beside_claims(causes, document["names"])
         ranked = sorted(self.naming.scored, key=lambda each: -each.gain)
         return {
             **{key: document[key] for key in KEPT},
-            "set": list(answer.candidates),
+            "set": list(dict.fromkeys([*answer.candidates, *alike])),
             "nearest": list(best.names) if best else [],
             "ties": [tie.name for tie in self.naming.decision.ties],
             "candidates": [
@@ -69,7 +70,7 @@ class NamedWorld:
             "before": [one["value"] for one in document["before"]],
             "after": [one["value"] for one in document["after"][:3]],
             "values": {one["name"]: one["value"] for one in document["after"][3:]},
-            "zeros": [*(cause.effect for cause in causes if cause.matters), *self.recorded.shown],
+            "zeros": [*shown, *self.recorded.shown],
             "full_plays": [
                 # a number that is none was not refitted
                 {key: None if value != value else value for key, value in asdict(one).items()}

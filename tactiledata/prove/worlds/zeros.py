@@ -23,6 +23,7 @@ def zeros_of(logs: Sequence[tuple[WorldLog, StoredSignal, StoredSignal]]) -> For
     """
     pieces: list[tuple[Array, int, int, float, float]] = []
     poses: list[RealArray] = []
+    weights: list[Array] = []
     trajectory = 0
     for log, wrench, tcp in logs:
         played = log.played
@@ -39,6 +40,7 @@ def zeros_of(logs: Sequence[tuple[WorldLog, StoredSignal, StoredSignal]]) -> For
                 pieces.append((level, trajectory, zeroed, seconds, (play.end_ns - moments[-1]) * 1e-9))
             trajectory += 1
         poses.append(played.tcp(np.array(moments)))
+        weights.append(log.weight(tcp, np.array(moments, dtype=np.int64)))
     if not pieces:
         none = np.empty(0, dtype=np.int64)
         return ForceZeros(np.empty((0, 6)), none, none, np.empty((0, 3)), np.empty(0), np.empty(0), None)
@@ -46,4 +48,4 @@ def zeros_of(logs: Sequence[tuple[WorldLog, StoredSignal, StoredSignal]]) -> For
     down = -np.einsum("ij,nkj->nik", robot.tcp_from_ft.inverse().rotation, base_from_tcp[:, :3, :3])[:, :, 2]
     joints = np.asarray(ur5e.inverse(base_from_tcp @ robot.flange_from_tcp.inverse().matrix), dtype=float)
     load_, owner, zeroed_, seconds_, remaining = (np.array(column) for column in zip(*pieces, strict=True))
-    return ForceZeros(load_, owner, zeroed_, down, seconds_, remaining, joints)
+    return ForceZeros(load_, owner, zeroed_, down, seconds_, remaining, joints, np.concatenate(weights))
