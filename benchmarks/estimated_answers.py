@@ -27,7 +27,8 @@ from timing import header, table
 from tactiledata.calibrate.plays.estimated_plays import Estimates
 from tactiledata.compute import make_scheduler
 from tactiledata.gel.elasticity.compliance import cache_folder
-from tactiledata.prove.answers.named import case_readings, named_world
+from tactiledata.prove.answers.case_readings import case_readings
+from tactiledata.prove.answers.named import named_world
 from tactiledata.prove.cases.kinds import NULLS, VISIBLE
 from tactiledata.prove.request import ProofRequest
 from tactiledata.prove.score.scored_case import ScoredCase

@@ -15,7 +15,7 @@ from tactiledata.arrays import Array
 from tactiledata.compute import make_scheduler
 from tactiledata.diagnose.touches.touch_case import TouchSet
 from tactiledata.gel.elasticity.compliance import cache_folder
-from tactiledata.prove.answers.named import case_readings
+from tactiledata.prove.answers.case_readings import case_readings
 from tactiledata.prove.cases.configuration import Configuration, played_plan
 from tactiledata.prove.cases.drawn_world import DrawnWorld
 from tactiledata.prove.score.outcome import IN_SET, NAMED

@@ -27,7 +27,6 @@ import numpy as np
 from timing import header, table
 
 from tactiledata.prove.cases.kinds import NULLS, OUTSIDE
-from tactiledata.prove.cases.truth import TOLD_ALIKE
 from tactiledata.prove.request import ProofRequest
 from tactiledata.prove.score.score import SIGNALS, met_words, score_of, signal_words
 from tactiledata.prove.score.scored_case import ScoredCase
@@ -35,6 +34,12 @@ from tactiledata.prove.score.shares import interval_words
 from tactiledata.prove.seal.folder import read_json
 from tactiledata.prove.seal.published import opened_proof
 from tactiledata.prove.seal.verify import scored_cases
+
+TOLD_ALIKE = {"drainage": "relaxation", "warm_relaxation": "relaxation"}
+"""Effects outside the catalogue, with the effect whose answer says that they would be given its name.
+
+The words are those of ``unlisted_look_alike`` of the effect (`tactiledata.effects.base.Effect`).
+"""
 
 
 def pooled(cases: Sequence[ScoredCase], chosen: Sequence[str]) -> list[ScoredCase]:

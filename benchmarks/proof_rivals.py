@@ -28,7 +28,7 @@ from timing import header, table
 
 from tactiledata.diagnose.touches.touch_case import TouchSet
 from tactiledata.gel.elasticity.compliance import cache_folder
-from tactiledata.prove.answers.named import case_readings
+from tactiledata.prove.answers.case_readings import case_readings
 from tactiledata.prove.cases.configuration import Configuration, played_plan
 from tactiledata.prove.cases.drawn_world import DrawnWorld
 from tactiledata.prove.cases.kinds import NULLS, OUTSIDE

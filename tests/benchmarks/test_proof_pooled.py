@@ -7,14 +7,13 @@ from pathlib import Path
 
 import proof_pooled
 import pytest
-from proof_pooled import PAGES, written_anew
+from proof_pooled import PAGES, TOLD_ALIKE, written_anew
 from sealed_proofs import REQUEST, answered_proof
 
 from tactiledata.contract.atomic import write_json_atomic
 from tactiledata.effects import EFFECTS
 from tactiledata.prove.cases.kinds import OUTSIDE, VISIBLE
 from tactiledata.prove.cases.truth import OUTSIDE as OUTSIDE_EFFECTS
-from tactiledata.prove.cases.truth import TOLD_ALIKE
 from tactiledata.prove.score.scored_case import ScoredCase
 from tactiledata.prove.seal.folder import FORMAT
 from tactiledata.prove.seal.published import opened_proof

@@ -116,8 +116,7 @@ def _is_small(values: Mapping[str, float], weight: Array | None) -> bool:
     """
     if weight is None:
         return False
-    sizes = weight.reshape(-1, 2, 3) / GRAVITY
-    mass, moment = (float(_sizes(part).max()) for part in (sizes[:, 0], sizes[:, 1]))
+    mass, moment = (float(_sizes(part).max()) / GRAVITY for part in (weight[:, :3], weight[:, 3:]))
     more = float(np.linalg.norm([values[f"moment_{axis}"] for axis in "xyz"]))
     return abs(values["mass"]) <= GAIN * mass and more <= GAIN * moment + ARM * mass
 
@@ -147,7 +146,7 @@ def _turned(zeros: ForceZeros, weight: Array, scale: Array) -> ZeroModel:
         """A clause on the turn, in degrees."""
         turns = ", ".join(f"{np.degrees(turn):+.1f}" for turn in values.values())
         return (
-            f"the force follows the direction of gravity as a turned sensor reads the weight of its tool: its frame is"
+            "the force follows the direction of gravity as a turned sensor reads the weight of its tool: its frame is"
             f" turned by ({turns}) degrees about x, y and z from robot.tcp_from_ft in log.yaml"
         )
 
@@ -166,11 +165,11 @@ def _cross_talk(zeros: ForceZeros, scale: Array) -> ZeroModel:
     A weight and a turned frame are special cases of it.
     """
     columns = np.einsum("ij,nk->nijk", np.eye(6), zeros.down).reshape(len(zeros), 6, 18)
-    turned = centred(zeros, columns)
+    about_mean = centred(zeros, columns)
 
     def values(numbers: Array) -> dict[str, float]:
         """Largest change of force, N, and of torque, N m, over the directions of gravity that were met."""
-        change = turned @ numbers
+        change = about_mean @ numbers
         return {"force": float(_sizes(change[:, :3]).max()), "torque": float(_sizes(change[:, 3:]).max())}
 
     return ZeroModel(

@@ -16,7 +16,6 @@ from tactiledata.diagnose.touches.played_response import PlayedFamily
 from tactiledata.diagnose.touches.touch_case import TouchSet
 from tactiledata.diagnose.zeros.causes import beside_claims, zero_causes
 from tactiledata.effects.touch.response import GelVariant
-from tactiledata.prove.seal.folder import ProofFolder, read_readings
 from tactiledata.prove.worlds.logs import LogReadings
 from tactiledata.prove.worlds.played_plan import START, PlayedPlan
 from tactiledata.prove.worlds.recorder import ReadWorld
@@ -85,26 +84,6 @@ class _PlayedSet:
 
     touch_set: TouchSet
     plays: list[TouchPlays]
-
-
-def case_readings(folder: ProofFolder, name: str) -> list[LogReadings]:
-    """Return the readings of each log of a case.
-
-    Parameters
-    ----------
-    folder : ProofFolder
-        The proof.
-    name : str
-        Name of the case.
-
-    Raises
-    ------
-    MissingFile
-        The case has no file.
-    StoreError
-        The file is no case of a proof.
-    """
-    return [LogReadings(*one) for one in read_readings(folder.case(name))]
 
 
 def named_world(

@@ -9,8 +9,9 @@ from typing import Any
 
 from tactiledata.contract.atomic import write_atomic, write_json_atomic
 from tactiledata.errors import TactileDataError
+from tactiledata.prove.answers.case_readings import case_readings
 from tactiledata.prove.answers.failed import failed_answer
-from tactiledata.prove.answers.named import case_readings, named_world
+from tactiledata.prove.answers.named import named_world
 from tactiledata.prove.cases.configuration import played_plan
 from tactiledata.prove.cases.draw import CaseRequest, drawn_case
 from tactiledata.prove.score.outcome import FAILED

@@ -49,11 +49,6 @@ TITLES = {
     "inertia": "inertia",
 }
 OUTSIDE = ("joint_backlash", "drainage", "anisotropy", "warm_relaxation")
-TOLD_ALIKE = {"drainage": "relaxation", "warm_relaxation": "relaxation"}
-"""Effects outside the catalogue, with the effect whose answer says that they would be given its name.
-
-The words are those of ``unlisted_look_alike`` of the effect (`effects.base.Effect`).
-"""
 PAIRS = (
     ("relaxation", "frame_rotation"),
     ("rate_friction", "tool_weight"),

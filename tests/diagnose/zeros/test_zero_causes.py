@@ -34,7 +34,7 @@ def test_a_heavier_tool_is_found_with_its_mass_and_moment():
     assert cause.after < 0.7 * cause.before
 
 
-def turned(*angles):
+def turned_by(*angles):
     """The matrix by which a sensor reads whose frame is turned by three angles, rad."""
     turn = Rotation.from_rotvec(angles).as_matrix()
     return np.kron(np.eye(2), turn)
@@ -43,7 +43,7 @@ def turned(*angles):
 def test_a_turned_frame_is_found_with_its_angles():
     """Planted turns about three axes are found within half a degree; nothing else is named."""
     planted = (0.04, -0.03, 0.1)
-    (cause,) = zero_causes(zeros(scatter=0.01, reads=turned(*planted)))
+    (cause,) = zero_causes(zeros(scatter=0.01, reads=turned_by(*planted)))
     assert cause.effect == "frame_rotation"
     assert [cause.values[name] for name in ("tilt_x", "tilt_y", "yaw")] == pytest.approx(planted, abs=0.009)
     assert "degrees about x, y and z from robot.tcp_from_ft" in cause.words
@@ -61,7 +61,7 @@ def test_no_sensor_of_usual_cross_talk_reads_a_much_heavier_tool(planted):
 
 def test_a_large_turn_is_no_cross_talk():
     """No axis of a usual sensor shows a fifth of another one."""
-    (cause,) = zero_causes(zeros(scatter=0.01, reads=turned(0.0, 0.0, 0.2)))
+    (cause,) = zero_causes(zeros(scatter=0.01, reads=turned_by(0.0, 0.0, 0.2)))
     assert cause.effect == "frame_rotation"
     assert not cause.alike
 
@@ -89,8 +89,8 @@ def test_what_a_weight_was_taken_for_is_reported_as_cross_talk_alone():
 
 
 def test_without_a_stated_weight_no_frame_is_called_turned():
-    """Where the log does not state the tool, nobody knows how its weight would read."""
-    planted = zeros(scatter=0.01, reads=turned(0.04, -0.03, 0.1))
+    """Zeros that a turned frame planted have no cause where the log does not state the weight of the tool."""
+    planted = zeros(scatter=0.01, reads=turned_by(0.04, -0.03, 0.1))
     assert not zero_causes(ForceZeros(**{**vars(planted), "weight": None}))
 
 
