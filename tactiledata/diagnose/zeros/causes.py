@@ -76,7 +76,7 @@ class ZeroCause:
     @property
     def document(self) -> dict[str, Any]:
         """The cause as it stands in ``diagnosis.json`` (schemas/diagnosis.json)."""
-        return {**vars(self), "matters": self.matters}
+        return {**vars(self), "alike": list(self.alike), "matters": self.matters}
 
 
 def zero_causes(zeros: ForceZeros, seed: int = 0, band: float = 0.0) -> list[ZeroCause]:
@@ -136,7 +136,17 @@ def zero_causes(zeros: ForceZeros, seed: int = 0, band: float = 0.0) -> list[Zer
         )
         within = best.change_within(values)
         alike = best.alike(values)
-        cause = ZeroCause(best.effect, p, explained, before, after, values, f"{words}.", within, alike)
+        cause = ZeroCause(
+            effect=best.effect,
+            p=p,
+            explained=explained,
+            before=before,
+            after=after,
+            values=values,
+            words=f"{words}.",
+            within=within,
+            alike=alike,
+        )
         if within is not None:
             weight = "forces are wrong by as much" if cause.matters else "too little to matter"
             cause = replace(cause, words=f"{words}: {within:.3f} N, {weight}.")

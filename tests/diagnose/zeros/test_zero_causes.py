@@ -1,5 +1,6 @@
 """Zeros of a force sensor: planted causes come back with their numbers, and chance is not named."""
 
+import jsonschema
 import numpy as np
 import pytest
 from drawn_zeros import TOOL, zeros
@@ -7,6 +8,7 @@ from recorded_touches import recorded_store
 from scipy.spatial.transform import Rotation
 
 from tactiledata.calibrate.options import CalibrationOptions
+from tactiledata.contract.schema import load_schema
 from tactiledata.diagnose.zeros.causes import ZeroCause, beside_claims, no_zeros, zero_causes
 from tactiledata.diagnose.zeros.readings import ForceZeros, StoreReadings, free_air_between
 from tactiledata.diagnose.zeros.zero_models import CABLE_PLAY, cable_friction
@@ -32,6 +34,14 @@ def test_a_heavier_tool_is_found_with_its_mass_and_moment():
     assert cause.alike == ("gain_crosstalk",)
     assert cause.words.endswith("In free air, gain and cross-talk of the force sensor would read the same.")
     assert cause.after < 0.7 * cause.before
+
+
+def test_a_cause_fits_the_schema_of_a_diagnosis():
+    """What a cause writes into ``diagnosis.json`` fits the schema, with and without effects that read the same."""
+    of_causes = load_schema("diagnosis")["properties"]["zeros"]
+    documents = [cause.document for planted in (zeros(mass=0.05), zeros(drift=3.0)) for cause in zero_causes(planted)]
+    assert [document["alike"] for document in documents] == [["gain_crosstalk"], []]
+    jsonschema.validate(documents, of_causes)
 
 
 def turned_by(*angles):
