@@ -24,6 +24,10 @@ WORTH = 0.2
 """Least share of the held-out squares beyond the noise that a cause must explain to be reported."""
 LEAST = 0.02
 """Least root mean square of the zeros' force in N; smaller differences are not analysed."""
+OWN_ZERO = "so that contact forces contain only what changes within a trajectory"
+"""What a zero of its own does to a trajectory, for the user."""
+READS = "but contact forces are read in the same wrong way, which no zero takes away"
+"""What it does not do, where the cause changes how every force is read."""
 CONTAINS = {"gain_crosstalk": ("tool_weight", "frame_rotation")}
 """Causes with those that are special cases of them: where the wider one explains more, these are not reported."""
 WITHIN = 0.01
@@ -131,8 +135,8 @@ def zero_causes(zeros: ForceZeros, seed: int = 0, band: float = 0.0) -> list[Zer
         values = best.values(numbers[taken.shape[1] :])
         words = (
             f"In free air, {best.words(values)} ({p_words(p)}). This explains {percent(explained)} of the differences"
-            " between the zeros of held-out trajectories. Each trajectory gets a zero of its own, so that contact"
-            " forces contain only what changes within a trajectory"
+            " between the zeros of held-out trajectories. Each trajectory gets a zero of its own,"
+            f" {READS if best.reads else OWN_ZERO}"
         )
         within = best.change_within(values)
         alike = best.alike(values)

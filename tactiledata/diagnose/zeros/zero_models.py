@@ -52,6 +52,8 @@ class ZeroModel:
         forces have in the end.
     alike : callable
         Makes the names of other effects that read the same in free air, of the fitted numbers.
+    reads : bool
+        Whether the cause changes how every force is read, contact forces too, and no zero takes it away.
     """
 
     effect: str
@@ -60,6 +62,7 @@ class ZeroModel:
     words: Callable[[dict[str, float]], str]
     within: Array | None = None
     alike: Callable[[Mapping[str, float]], tuple[str, ...]] = lambda values: ()
+    reads: bool = False
 
     def change_within(self, values: Mapping[str, float]) -> float | None:
         """Return the root mean square of the change of the zero's force from a piece of free air to the end of its
@@ -156,6 +159,7 @@ def _turned(zeros: ForceZeros, weight: Array, scale: Array) -> ZeroModel:
         values,
         words,
         alike=lambda values: ("gain_crosstalk",) if max(map(abs, values.values())) <= GAIN else (),
+        reads=True,
     )
 
 
@@ -181,6 +185,7 @@ def _cross_talk(zeros: ForceZeros, scale: Array) -> ZeroModel:
             f" {values['torque']:.3f} N m, as no weight and no turn of the sensor's frame would: as of a sensor with"
             " cross-talk"
         ),
+        reads=True,
     )
 
 
