@@ -157,19 +157,15 @@ def _left_out(store: Store, sensors: Sequence[str]) -> list[str]:
     """Return a sentence for each reason for which frames of a store were not transferred, each frame under one."""
     import numpy as np
 
-    from tactiledata.contract.take import UNUSABLE
+    from split_models.transfer.transfer_take import barred_frames
 
     frames = store.frames(["sensor", "flags", "trajectory"])
     waits = np.ones(frames.num_rows, dtype=bool)
     sentences = []
-    for words, is_so in (
-        (f"of sensors other than {', '.join(sensors)}", ~np.isin(np.asarray(frames["sensor"].cast("string")), sensors)),
-        ("without a whole image", (np.asarray(frames["flags"]) & UNUSABLE) != 0),
-        ("in no trajectory", np.asarray(frames["trajectory"]) < 0),
-    ):
-        if count := int((waits & is_so).sum()):
+    for words, barred in barred_frames(frames, sensors).items():
+        if count := int((waits & barred).sum()):
             sentences.append(f"{counted(count, 'frame')} left out: {words}")
-        waits &= ~is_so
+        waits &= ~barred
     return sentences
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -70,10 +70,26 @@ class Transfer:
         every trajectory could name no parent.
         """
         table = piece.origin.frames.slice(piece.first_frame, piece.facts["frames"])
-        whole = (np.asarray(table["flags"]) & UNUSABLE) == 0
-        chosen = np.asarray(pc.is_in(table["sensor"].cast(pa.string()), pa.array(list(self.backgrounds), pa.string())))
-        inside = np.asarray(table["trajectory"]) >= 0
-        return piece.first_frame + np.flatnonzero(whole & chosen & inside)
+        barred = np.logical_or.reduce(list(barred_frames(table, list(self.backgrounds)).values()))
+        return piece.first_frame + np.flatnonzero(~barred)
+
+
+def barred_frames(frames: pa.Table, sensors: Sequence[str]) -> dict[str, NDArray[np.bool_]]:
+    """Return why frames are not transferred: for each reason, in words, the frames (n,) for which it holds.
+
+    Parameters
+    ----------
+    frames : pyarrow.Table
+        The n frames, with their sensor, flags and trajectory.
+    sensors : sequence of str
+        Serials of the sensors that are transferred.
+    """
+    of_sensors = pc.is_in(frames["sensor"].cast(pa.string()), pa.array(list(sensors), pa.string()))
+    return {
+        f"of sensors other than {', '.join(sensors)}": ~np.asarray(of_sensors),
+        "without a whole image": (np.asarray(frames["flags"]) & UNUSABLE) != 0,
+        "in no trajectory": np.asarray(frames["trajectory"]) < 0,
+    }
 
 
 def crc_of(image: NDArray[np.uint8]) -> int:
