@@ -26,6 +26,7 @@ from scipy.optimize import minimize
 
 from tactiledata.diagnose.naming.evidence import ScoredCandidate
 from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS, DecisionThresholds
+from tactiledata.effects import EFFECTS
 from tactiledata.prove.cases.kinds import LEAST_SIGNAL
 from tactiledata.prove.score.outcome import CLAIMS
 
@@ -43,13 +44,14 @@ EDGES = (0.0, 0.5, 0.8, 0.95, 1.01)
 
 @dataclass(frozen=True)
 class Considered:
-    """What was considered in a case: c candidates, then none and other.
+    """What was considered in a case: c candidates, then another effect beside one, none and other.
 
     Parameters
     ----------
     beyond : (c,)
         Evidence beyond what a claim needs.
-    is_claimed : (c,) bool
+    is_claimed, has_alike : (c,) bool
+        See `DecisionThresholds.shares`.
     right : places of what should be said
     at_large : float
         Mean square of what is left.
@@ -57,6 +59,7 @@ class Considered:
 
     beyond: Array
     is_claimed: NDArray[np.bool_]
+    has_alike: NDArray[np.bool_]
     right: tuple[int, ...]
     at_large: float
 
@@ -71,11 +74,13 @@ class Considered:
         in_set = {claimed, *(frozenset([name]) for name in case["set"])} if claimed else set()
         beyond = np.array([one.share_of_need(thresholds) for one in judged])
         is_claimed = np.array([one in in_set for one in names], dtype=bool)
-        return Considered(beyond, is_claimed, _right(case, names), case["at_large"])
+        has_alike = np.array([any(EFFECTS[name].unlisted_look_alike for name in one) for one in names], dtype=bool)
+        return Considered(beyond, is_claimed, has_alike, _right(case, names), case["at_large"])
 
     def shares(self, scale: DecisionThresholds) -> Array:
-        """Probabilities (c + 2,)."""
-        return scale.shares(self.beyond, self.is_claimed, self.at_large > scale.structure_dispersion)
+        """Probabilities (c + 3,)."""
+        is_left = self.at_large > scale.structure_dispersion
+        return scale.shares(self.beyond, self.is_claimed, self.has_alike, is_left)
 
 
 def thresholds_of(case: Case) -> DecisionThresholds:
@@ -92,13 +97,13 @@ def thresholds_of(case: Case) -> DecisionThresholds:
 def _right(case: Case, names: Sequence[frozenset[str]]) -> tuple[int, ...]:
     """Places of what should be said."""
     hidden = frozenset(case["truth"]) - (frozenset(case["zeros"]) if len(case["truth"]) > 1 else frozenset())
-    nothing, other = len(names), len(names) + 1
+    beside, nothing, other = range(len(names), len(names) + 3)
     is_shown = case["signal"] >= LEAST_SIGNAL and bool(case["truth"])
     if not is_shown or hidden <= frozenset(case["zeros"]):
         # errors of the solver are in no catalogue, and they are there
         return nothing, other
     found = tuple(place for place, one in enumerate(names) if hidden <= one and one - hidden <= EVERYWHERE)
-    return found or (other,)
+    return found or ((beside,) if any(one < hidden for one in names) else (other,))
 
 
 def cost(cases: Sequence[Considered], scale: DecisionThresholds) -> float:
@@ -159,7 +164,7 @@ def held_out_cost(cases: Sequence[Case], folds: int = 4) -> float:
 def _likeliest(case: Considered, shares: Array) -> tuple[float, bool]:
     """Probability of the likeliest candidate, or of no known effect where that is likelier; and whether it is right."""
     unknown = float(shares[-2:].sum())
-    best = int(shares[:-2].argmax()) if len(shares) > 2 else -1
+    best = int(shares[:-3].argmax()) if len(shares) > 3 else -1
     if best < 0 or unknown >= shares[best]:
         return unknown, len(shares) - 2 in case.right
     return float(shares[best]), best in case.right

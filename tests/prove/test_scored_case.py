@@ -66,6 +66,8 @@ def test_what_an_answer_is_worth(case, outcome, is_right, is_wrong):
         (scored("nulls"), 1.0, True),
         (scored("nulls", probabilities={"lag": 0.45, "none": 0.3, "other": 0.25}), 0.55, True),
         (scored("nulls", probabilities={"lag": 0.9, "none": 0.1}), 0.9, False),
+        # another effect beside a candidate is no statement of its own
+        (scored("visible", ["lag"], probabilities={"lag": 0.4, "beside": 0.5, "none": 0.1}), 0.4, True),
         (scored("outside", probabilities=UNKNOWN), 1.0, True),
         (scored("outside"), 1.0, True),
         (scored("visible", ["lag"], probabilities={"lag": 0.9, "none": 0.1}), 0.9, True),

@@ -37,7 +37,8 @@ TERMS: Terms = (
 STORE_TERMS: Terms = (
     (
         r"\(probability ",
-        "Probability: how often claims with as much evidence were right in simulated worlds of known truth.",
+        "Probability: how often the named effect was missing, alone or with another one, where claims had as much "
+        "evidence in simulated worlds of known truth.",
     ),
     (
         r"\b(E|[Nn]u|[Mm]u)\b",

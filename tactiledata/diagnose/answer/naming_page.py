@@ -20,6 +20,7 @@ from tactiledata.diagnose.answer.unseen_page import (
 )
 from tactiledata.diagnose.locate.locate import LocatorResults
 from tactiledata.diagnose.naming.beside import objections_to
+from tactiledata.diagnose.naming.decide import BESIDE, NONE, OTHER
 from tactiledata.diagnose.naming.evidence import ScoredCandidate
 from tactiledata.diagnose.naming.intervals import ProfiledInterval
 from tactiledata.diagnose.naming.name_effects import NamingResult
@@ -37,8 +38,12 @@ MOST_CANDIDATES = 12
 """Most candidates in the table."""
 LEAST_PROBABILITY = 0.005
 """Smallest probability that is listed."""
-OTHERS = {"none": "nothing", "other": "something outside the catalogue"}
-"""Names of the two probabilities that belong to no candidate."""
+OTHERS = {
+    BESIDE: "one of these and another effect beside it",
+    NONE: "nothing",
+    OTHER: "something outside the catalogue",
+}
+"""Names of the probabilities that belong to no candidate."""
 
 
 def naming_page(
@@ -163,7 +168,8 @@ def _what(naming: NamingResult) -> Section:
     )
     scale = (
         "Probabilities follow the evidence beyond what a claim needs. They grow far more slowly than a Bayes factor, "
-        "as differences between two simulators bring evidence as well."
+        "as differences between two simulators bring evidence as well. However large it is, a part is kept for another "
+        "effect beside the named one, and for what the catalogue does not have and would look alike."
     )
     sentences = [("info", text), ("info", scale), ("info", _probabilities(naming))]
     columns = ("candidate", "evidence", "gain", "gain on indenters", "agreement", "objections")

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from tactiledata.contract.wording import counted
+from tactiledata.diagnose.naming.decide import BESIDE
 from tactiledata.diagnose.naming.evidence import ScoredCandidate
 from tactiledata.diagnose.naming.intervals import ProfiledInterval
 from tactiledata.diagnose.naming.name_effects import NamingResult
@@ -198,11 +199,14 @@ class Answer:
     def _probability_of(self, best: ScoredCandidate) -> float:
         """Return the probability that the named effects are missing, alone or with another effect."""
         probabilities = self.naming.decision.probabilities
-        return sum(
+        of_all = sum(probabilities.get(candidate.label, 0.0) for candidate in self.naming.scored)
+        own = sum(
             probabilities.get(candidate.label, 0.0)
             for candidate in self.naming.scored
             if set(best.names) <= set(candidate.names)
         )
+        # the other effect may be beside each candidate
+        return own * (1.0 + probabilities.get(BESIDE, 0.0) / of_all) if own else 0.0
 
     @property
     def document(self) -> dict[str, Any]:

@@ -34,7 +34,9 @@ from tactiledata.diagnose.naming.ties import Tie, special_case_of, ties_of_one
 from tactiledata.diagnose.verdict import Verdict
 from tactiledata.effects import EFFECTS
 
-NONE, OTHER = "none", "other"
+BESIDE, NONE, OTHER = "beside", "none", "other"
+"""Labels of the probabilities that belong to no candidate: of another effect beside one, of nothing, of an effect that
+the catalogue does not have."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +54,8 @@ class Decision:
     ties : tuple of Tie
         Effects that these data cannot tell from ``best``.
     probabilities : dict, label -> probability
-        Of each candidate, of ``NONE`` (nothing is missing) and of ``OTHER`` (an effect outside the catalogue).
+        Of each candidate alone, of ``BESIDE`` (a candidate and another effect, which no refit tells), of ``NONE``
+        (nothing is missing) and of ``OTHER`` (an effect outside the catalogue).
     objections : tuple of str
         Why ``best`` is not named; empty where it is.
     left : RemainingStructure
@@ -120,9 +123,10 @@ def decide(
     shares = thresholds.shares(
         np.array([one.share_of_need(thresholds) for one in candidates]),
         np.array([one.names in in_set for one in candidates], dtype=bool),
+        np.array([any(EFFECTS[name].unlisted_look_alike for name in one.names) for one in candidates], dtype=bool),
         left.is_structure(thresholds),
     )
-    labels = [*(candidate.label for candidate in candidates), NONE, OTHER]
+    labels = [*(candidate.label for candidate in candidates), BESIDE, NONE, OTHER]
     return replace(decision, probabilities=dict(zip(labels, shares.tolist(), strict=True)))
 
 

@@ -154,6 +154,11 @@ class DecisionThresholds:
     log_odds_unlisted : float
         Log-odds of an effect outside the catalogue, relative to "nothing is missing", where the residual has
         structure; minus that number where it has none.
+    beside_share : float
+        Share of a candidate's probability that another effect is missing beside it which no refit tells.
+    alike_share : float
+        Share of a candidate's probability that something outside the catalogue is missing which is told to look like it
+        (`tactiledata.effects.base.Effect.unlisted_look_alike`).
     """
 
     claims: Mapping[str, float] = field(default_factory=lambda: CLAIM_EVIDENCE)
@@ -195,6 +200,8 @@ class DecisionThresholds:
     log_odds_nothing: float = -1.9
     log_odds_nothing_beside_structure: float = -3.0
     log_odds_unlisted: float = 3.0
+    beside_share: float = 0.2
+    alike_share: float = 0.5
 
     def for_data(self, trajectories: int, precision: float = 1.0) -> DecisionThresholds:
         """Return the thresholds for a number of trajectories of a precision, `WhitenedTouches.precision`."""
@@ -266,13 +273,15 @@ class DecisionThresholds:
         """
         return max(self.tie_evidence * self.growth(names), self.tie_share * evidence)
 
-    def shares(self, beyond: Array, is_claimed: Mask, is_left: bool) -> Array:
-        """Return probabilities (c + 2,) of c candidates, then of nothing, then of an effect outside the catalogue.
+    def shares(self, beyond: Array, is_claimed: Mask, has_alike: Mask, is_left: bool) -> Array:
+        """Return probabilities (c + 3,): of c candidates, of another effect beside a candidate, of nothing, and of an
+        effect outside the catalogue.
 
         They are the softmax of log-odds: ``evidence_slope`` times the evidence beyond what the candidate needs, over
         `growth`, less ``unclaimed_cost`` where it is not in the answer's set. Nothing and an effect outside the
         catalogue share the odds of ``log_odds_nothing``, or of ``log_odds_nothing_beside_structure``, as
-        ``log_odds_unlisted`` says.
+        ``log_odds_unlisted`` says. Of each candidate, however large its evidence, ``alike_share`` goes to an effect
+        outside the catalogue where one looks like it, and ``beside_share`` of the rest to another effect beside it.
 
         Parameters
         ----------
@@ -280,6 +289,8 @@ class DecisionThresholds:
             Evidence of each candidate less the evidence that it needs, over its growth.
         is_claimed : (c,) bool
             Whether the answer claims the candidate, or ties it with a claim.
+        has_alike : (c,) bool
+            Whether something outside the catalogue is told to look like the candidate.
         is_left : bool
             Whether the best fit leaves structure.
         """
@@ -289,7 +300,22 @@ class DecisionThresholds:
         values = np.concatenate([odds, [unknown - np.logaddexp(0.0, unlisted), unknown - np.logaddexp(0.0, -unlisted)]])
         # the largest exponent is 0: nothing overflows
         shares: Array = np.exp(values - values.max())
-        return shares / shares.sum()
+        return self.with_doubt(shares / shares.sum(), has_alike)
+
+    def with_doubt(self, shares: Array, has_alike: Mask) -> Array:
+        """Return probabilities (c + 3,) as `shares` does, from those without another effect beside and without alikes.
+
+        Parameters
+        ----------
+        shares : (c + 2,)
+            Probabilities of c candidates, of nothing, and of an effect outside the catalogue.
+        has_alike : (c,) bool
+            Whether something outside the catalogue is told to look like the candidate.
+        """
+        alike = np.where(has_alike, self.alike_share, 0.0) * shares[:-2]
+        beside = self.beside_share * (shares[:-2] - alike)
+        nothing, other = shares[-2:]
+        return np.concatenate([shares[:-2] - alike - beside, [beside.sum(), nothing, other + alike.sum()]])
 
 
 DEFAULT_THRESHOLDS = DecisionThresholds()

@@ -25,8 +25,9 @@ from tactiledata.prove.score.outcome import (
 )
 from tactiledata.prove.score.wilson import Z
 
-NONE, OTHER = "none", "other"
-"""Labels, among an answer's probabilities, of nothing and of an effect outside the catalogue."""
+BESIDE, NONE, OTHER = "beside", "none", "other"
+"""Labels, among an answer's probabilities, of another effect beside a candidate, of nothing, and of an effect outside
+the catalogue."""
 
 
 @dataclass(frozen=True)
@@ -132,7 +133,7 @@ class ScoredCase:
         """
         shares: Mapping[str, float] = self.answer["probabilities"]
         unknown = shares.get(NONE, 0.0) + shares.get(OTHER, 0.0) if shares else 1.0
-        label = max(shares.keys() - {NONE, OTHER}, key=lambda key: shares[key], default="")
+        label = max(shares.keys() - {BESIDE, NONE, OTHER}, key=lambda key: shares[key], default="")
         if not label or unknown >= shares[label]:
             # weaker than what can be seen counts as nothing, and what readings show needs no fit
             weak = self.kind == DRAWN and self.signal < LEAST_SIGNAL

@@ -1,12 +1,13 @@
 """What an answer says of touches that keep nearly all of what the best fit leaves, and of its probabilities."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
 
 from tactiledata.diagnose.answer.naming_page import _probabilities
 from tactiledata.diagnose.answer.sentences import Answer
-from tactiledata.diagnose.naming.decide import Decision
+from tactiledata.diagnose.naming.decide import BESIDE, Decision
 from tactiledata.diagnose.naming.remaining_structure import RemainingStructure
 from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
 from tactiledata.diagnose.verdict import Verdict
@@ -42,6 +43,20 @@ def test_no_probability_above_that_of_a_claim_is_stated():
     found = naming(True, IN_TWO)
     assert Answer(found).what[0].endswith("(probability 0.99).")
     assert _probabilities(found) == "Probabilities: viscoelastic relaxation 99 %."
+
+
+def test_the_claim_states_the_probability_of_an_effect_alone_or_with_another_one():
+    """What may be beside a candidate counts for each in proportion; the page lists it by itself."""
+    found = naming(True, IN_TWO)
+    lag = SimpleNamespace(names=("lag",), label="lag", at_bounds=())
+    chances = {"relaxation": 0.6, "lag": 0.2, BESIDE: 0.08, "none": 0.12}
+    decision = replace(found.decision, probabilities=chances)
+    found = SimpleNamespace(**{**vars(found), "decision": decision, "scored": [*found.scored, lag]})
+    assert Answer(found).what[0].endswith("(probability 0.66).")  # 0.6 and three quarters of 0.08
+    assert _probabilities(found) == (
+        "Probabilities: viscoelastic relaxation 60 %, lag and filter of the force sensor 20 %, nothing 12 %, one of"
+        " these and another effect beside it 8 %."
+    )
 
 
 @pytest.mark.parametrize("effect", ["relaxation", "lag"])

@@ -22,7 +22,7 @@ from candidates import (
 )
 
 from tactiledata.diagnose.naming import kept_fits
-from tactiledata.diagnose.naming.decide import NONE, OTHER
+from tactiledata.diagnose.naming.decide import BESIDE, NONE, OTHER
 from tactiledata.diagnose.naming.identifiability import Identifiability
 from tactiledata.diagnose.naming.options import NamingOptions
 from tactiledata.diagnose.naming.parameters import joint_model
@@ -270,7 +270,8 @@ def test_a_lead_that_errors_can_bring_must_be_confirmed_by_held_out_trajectories
 def crowd(name, others, share):
     """A best candidate, and others with a share of its evidence that change something else each."""
     best = with_evidence(name, MUCH, change=along(0))
-    return [best, *(with_evidence(f"other {k}", share * MUCH, change=along(1 + k % 5)) for k in range(others))]
+    names = [effect for effect in EFFECTS if effect not in (EASY, HARD)][:others]
+    return [best, *(with_evidence(name, share * MUCH, change=along(1 + k % 5)) for k, name in enumerate(names))]
 
 
 def test_one_of_many_that_errors_resemble_is_not_named():
@@ -370,8 +371,22 @@ def test_probabilities_sum_to_one_and_grow_with_evidence():
     assert odd[EASY] < chances[-1][EASY]
     # what is not claimed is not likelier than what is, whatever its evidence
     assert max(chances[0][EASY], odd[EASY]) < 0.5 < min(chance[EASY] for chance in chances[1:])
-    # of much evidence nothing overflows
-    assert decided([candidate(EASY, 1e6)]).probabilities[EASY] == pytest.approx(1.0)
+    # of much evidence nothing overflows, and another effect may still be beside it
+    much = decided([candidate(EASY, 1e6)]).probabilities
+    assert much == {
+        EASY: pytest.approx(1.0 - T.beside_share),
+        BESIDE: pytest.approx(T.beside_share),
+        NONE: 0.0,
+        OTHER: 0.0,
+    }
+
+
+def test_what_looks_like_something_outside_the_catalogue_shares_its_probability_with_it():
+    """Of a relaxation half goes to drainages and the like, and of the rest a fifth to another effect beside it."""
+    chances = decided([candidate("relaxation", 1e6)]).probabilities
+    assert chances[OTHER] == pytest.approx(T.alike_share)
+    assert chances["relaxation"] == pytest.approx((1.0 - T.alike_share) * (1.0 - T.beside_share))
+    assert sum(chances.values()) == pytest.approx(1.0)
 
 
 def test_structure_speaks_for_what_is_not_listed():
