@@ -20,6 +20,8 @@ from pathlib import Path
 import numpy as np
 from timing import header, table
 
+from tactiledata.diagnose.answer.sentences import MOST_PROBABLE
+from tactiledata.diagnose.naming.decide import probability_of
 from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
 from tactiledata.effects import EFFECTS
 from tactiledata.prove.score.outcome import CLAIMS
@@ -30,8 +32,6 @@ from tactiledata.prove.seal.verify import scored_cases
 
 EDGES = (0.0, 0.5, 0.8, 0.95, 1.0)
 """Of probabilities of claims, between which they are counted."""
-MOST_STATED = 0.99
-"""Largest probability that an answer states."""
 
 
 def with_doubt(case: ScoredCase) -> ScoredCase:
@@ -50,13 +50,10 @@ def with_doubt(case: ScoredCase) -> ScoredCase:
 def of_claims(cases: Sequence[ScoredCase]) -> Iterator[tuple[float, bool]]:
     """Yield the probability that each claim of a fit states, and whether all that it names is hidden."""
     for case in cases:
-        named, told = set(case.answer["names"]), case.answer["probabilities"]
-        if case.answer["verdict"] not in CLAIMS or not named:
-            continue
-        shares = {label: told[label] for label in told.keys() - {BESIDE, NONE, OTHER}}
-        own = sum(share for label, share in shares.items() if named <= set(label.split(" + ")))
-        stated = own * (1.0 + told.get(BESIDE, 0.0) / sum(shares.values()))
-        yield min(stated, MOST_STATED), named <= case.truth
+        names = case.answer["names"]
+        if case.answer["verdict"] in CLAIMS and names:
+            stated = probability_of(names, case.answer["probabilities"])
+            yield min(stated, MOST_PROBABLE), set(names) <= case.truth
 
 
 def rows_of_claims(cases: Sequence[ScoredCase]) -> list[tuple[str, int, str, str]]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from tactiledata.contract.wording import counted
-from tactiledata.diagnose.naming.decide import BESIDE
+from tactiledata.diagnose.naming.decide import probability_of
 from tactiledata.diagnose.naming.evidence import ScoredCandidate
 from tactiledata.diagnose.naming.intervals import ProfiledInterval
 from tactiledata.diagnose.naming.name_effects import NamingResult
@@ -164,7 +164,10 @@ class Answer:
         best = decision.best
         # a claim, the effects that these data cannot tell from it, and what it leaves
         if best is not None and self.names:
-            sentences = [_claim(best, self._probability_of(best)), *(_tie(tie) for tie in decision.ties)]
+            sentences = [
+                _claim(best, probability_of(best.names, decision.probabilities)),
+                *(_tie(tie) for tie in decision.ties),
+            ]
             if decision.is_more_left:
                 sentences.append("The residual still has structure that no effect of the catalogue explains.")
             sentences += [*_worst_two(decision.left, "More missing"), *_odd(self.naming.odd)]
@@ -195,18 +198,6 @@ class Answer:
             listed = joined_names([f"{number.name} ({EFFECTS[number.effect]().title})" for number in numbers])
             sentences.append(f"Of the other effects, these numbers are not detectable in these recordings: {listed}.")
         return sentences
-
-    def _probability_of(self, best: ScoredCandidate) -> float:
-        """Return the probability that the named effects are missing, alone or with another effect."""
-        probabilities = self.naming.decision.probabilities
-        of_all = sum(probabilities.get(candidate.label, 0.0) for candidate in self.naming.scored)
-        own = sum(
-            probabilities.get(candidate.label, 0.0)
-            for candidate in self.naming.scored
-            if set(best.names) <= set(candidate.names)
-        )
-        # the other effect may be beside each candidate
-        return own * (1.0 + probabilities.get(BESIDE, 0.0) / of_all) if own else 0.0
 
     @property
     def document(self) -> dict[str, Any]:

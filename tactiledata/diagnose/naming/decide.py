@@ -13,7 +13,7 @@ structure
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -92,6 +92,22 @@ def claim_verdict(is_more_left: bool, left: RemainingStructure, thresholds: Deci
         What counts as structure.
     """
     return Verdict.PARTLY_EXPLAINED if is_more_left or left.is_in_few(thresholds) else Verdict.EXPLAINED
+
+
+def probability_of(names: Sequence[str], probabilities: Mapping[str, float]) -> float:
+    """Return the probability that effects are missing, alone or with another effect.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Effects of a candidate.
+    probabilities : dict, label -> probability
+        See `Decision`.
+    """
+    shares = {label: share for label, share in probabilities.items() if label not in (BESIDE, NONE, OTHER)}
+    own = sum(share for label, share in shares.items() if set(names) <= set(label.split(" + ")))
+    # the other effect may be beside each candidate
+    return own * (1.0 + probabilities.get(BESIDE, 0.0) / sum(shares.values())) if own else 0.0
 
 
 def decide(
