@@ -104,7 +104,8 @@ def ties_of_one(
     A plausible effect is a tie where its evidence beyond what it needs is within ``tie_margin`` of the best one's, and
     where it could be claimed itself or changes what the best one changes (cosine above ``tie``). An effect that could
     be claimed itself is one as well where that holds of what both need beside errors of the simulation of the size
-    found. An effect that is needlessly wide is none.
+    found. So is one of which the best is a special case and that has more evidence, even if errors of the simulation
+    could bring the lead. An effect that is needlessly wide is none.
 
     Parameters
     ----------
@@ -119,10 +120,14 @@ def ties_of_one(
     thresholds : DecisionThresholds
         What a claim needs.
     """
+
+    def is_near(other: ScoredCandidate) -> bool:
+        return _is_near(other, best, thresholds)
+
     others = [
         other
         for other in ranked
-        if other.label != best.label and not other.implausible and _is_near(other, best, thresholds)
+        if other.label != best.label and not other.implausible and (other.evidence > best.evidence or is_near(other))
     ]
     if not others:
         return ()
@@ -132,7 +137,10 @@ def ties_of_one(
         # two fits differ by noise: what the other effect could change counts, not only what it was fitted to change
         cosine_possible = best_imitation(metric, best.fit.effect_change, other.fit.effect_fields)
         cosine, apart = max(float(cosine_fitted), cosine_possible), gains[best.label] - gains[other.label]
-        is_rival = cosine > thresholds.tie or not other.objections(thresholds)
+        if is_near(other):
+            is_rival = cosine > thresholds.tie or not other.objections(thresholds)
+        else:
+            is_rival = cosine_possible > thresholds.tie
         if is_rival and not _is_needlessly_wide(other, best, cosine_possible, thresholds):
             ties.append(Tie(other.label, best.label, other.label, cosine, float(apart.sum()), error_of_sum(apart)))
     return tuple(ties)

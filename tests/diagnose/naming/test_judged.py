@@ -234,6 +234,19 @@ def test_a_special_case_is_said_in_place_of_the_wider_one():
         assert len(decided([special, wider]).ties) == ties
 
 
+@pytest.mark.parametrize(
+    ("lead", "change", "ties"),
+    [(1.0, EVERYTHING, ["gain_crosstalk"]), (-1.0, EVERYTHING, []), (1.0, along(0), [])],
+)
+def test_a_wider_effect_with_more_evidence_is_a_tie_even_if_errors_can_bring_it(lead, change, ties):
+    """Errors of the simulation can bring all of a cross-talk; it may be one that the turned frame is a part of."""
+    special = candidate("frame_rotation", 1.2, numbers=3)
+    wider = with_evidence("gain_crosstalk", special.evidence + lead, change=change, numbers=31)
+    assert wider.objections(T)
+    found = decided([special, wider])
+    assert (found.claimed, tie_names(found)) == (("frame_rotation",), ties)
+
+
 def test_a_special_case_is_named_where_the_wider_one_explains_hardly_more():
     """Ten numbers within the margin of a tie are no reason against three; beyond it, or of another change, they are."""
     margin = max(T.tie_margin(MUCH, ()), T.wider_lead * T.claim("gain_crosstalk"))
