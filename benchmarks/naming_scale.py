@@ -26,7 +26,6 @@ from scipy.optimize import minimize
 
 from tactiledata.diagnose.naming.evidence import ScoredCandidate
 from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS, DecisionThresholds
-from tactiledata.effects import EFFECTS
 from tactiledata.prove.cases.kinds import LEAST_SIGNAL
 from tactiledata.prove.score.outcome import CLAIMS
 
@@ -50,8 +49,9 @@ class Considered:
     ----------
     beyond : (c,)
         Evidence beyond what a claim needs.
-    is_claimed, has_alike : (c,) bool
-        See `DecisionThresholds.shares`.
+    is_claimed : (c,) bool
+    names : c sets of str
+        Effects of each candidate.
     right : places of what should be said
     at_large : float
         Mean square of what is left.
@@ -59,7 +59,7 @@ class Considered:
 
     beyond: Array
     is_claimed: NDArray[np.bool_]
-    has_alike: NDArray[np.bool_]
+    names: list[frozenset[str]]
     right: tuple[int, ...]
     at_large: float
 
@@ -74,13 +74,12 @@ class Considered:
         in_set = {claimed, *(frozenset([name]) for name in case["set"])} if claimed else set()
         beyond = np.array([one.share_of_need(thresholds) for one in judged])
         is_claimed = np.array([one in in_set for one in names], dtype=bool)
-        has_alike = np.array([any(EFFECTS[name].unlisted_look_alike for name in one) for one in names], dtype=bool)
-        return Considered(beyond, is_claimed, has_alike, _right(case, names), case["at_large"])
+        return Considered(beyond, is_claimed, names, _right(case, names), case["at_large"])
 
     def shares(self, scale: DecisionThresholds) -> Array:
         """Probabilities (c + 3,)."""
         is_left = self.at_large > scale.structure_dispersion
-        return scale.shares(self.beyond, self.is_claimed, self.has_alike, is_left)
+        return scale.shares(self.beyond, self.is_claimed, self.names, is_left)
 
 
 def thresholds_of(case: Case) -> DecisionThresholds:

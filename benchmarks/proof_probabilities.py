@@ -14,8 +14,8 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from timing import header, table
@@ -23,15 +23,11 @@ from timing import header, table
 from tactiledata.diagnose.answer.sentences import MOST_PROBABLE
 from tactiledata.diagnose.naming.decide import probability_of
 from tactiledata.diagnose.naming.thresholds import DEFAULT_THRESHOLDS
-from tactiledata.effects import EFFECTS
 from tactiledata.prove.score.outcome import CLAIMS
-from tactiledata.prove.score.score import calibration
+from tactiledata.prove.score.score import calibration, calibration_of
 from tactiledata.prove.score.scored_case import BESIDE, NONE, OTHER, ScoredCase
 from tactiledata.prove.seal.published import opened_proof
 from tactiledata.prove.seal.verify import scored_cases
-
-EDGES = (0.0, 0.5, 0.8, 0.95, 1.0)
-"""Of probabilities of claims, between which they are counted."""
 
 
 def with_doubt(case: ScoredCase) -> ScoredCase:
@@ -40,9 +36,8 @@ def with_doubt(case: ScoredCase) -> ScoredCase:
     if not told or BESIDE in told:
         return case
     labels = [label for label in told if label not in (NONE, OTHER)]
-    alike = [any(EFFECTS[name].unlisted_look_alike for name in label.split(" + ")) for label in labels]
     shares = np.array([told[label] for label in (*labels, NONE, OTHER)])
-    doubted = DEFAULT_THRESHOLDS.with_doubt(shares, np.array(alike, dtype=bool)).tolist()
+    doubted = DEFAULT_THRESHOLDS.with_doubt(shares, [label.split(" + ") for label in labels]).tolist()
     probabilities = dict(zip((*labels, BESIDE, NONE, OTHER), doubted, strict=True))
     return replace(case, answer={**case.answer, "probabilities": probabilities})
 
@@ -56,15 +51,17 @@ def of_claims(cases: Sequence[ScoredCase]) -> Iterator[tuple[float, bool]]:
             yield min(stated, MOST_PROBABLE), set(names) <= case.truth
 
 
-def rows_of_claims(cases: Sequence[ScoredCase]) -> list[tuple[str, int, str, str]]:
-    """Rows: between which probabilities, number of claims, their mean probability, share that is right."""
-    claims, rows = list(of_claims(cases)), []
-    for low, high in pairwise(EDGES):
-        inside = [(stated, is_right) for stated, is_right in claims if low <= stated < high]
-        if inside:
-            stated, right = np.mean(np.array(inside, dtype=float), axis=0)
-            rows.append((f"{low:g} to {high:g}", len(inside), f"{stated:.2f}", f"{right:.2f}"))
-    return rows
+def rows_of(told: Mapping[str, Any]) -> list[tuple[str, int, str, str]]:
+    """Rows of a calibration: between which probabilities, statements, their mean probability, share that is right."""
+    return [
+        (
+            "{:g} to {:g}".format(*row["between"]),
+            row["count"],
+            f"{row['mean_probability']:.2f}",
+            f"{row['share_right']:.2f}",
+        )
+        for row in told["rows"]
+    ]
 
 
 def cost(cases: Sequence[ScoredCase]) -> float:
@@ -86,14 +83,9 @@ def main() -> None:
     for title, of in (("as answered", cases), ("by the rules of today", [with_doubt(case) for case in cases])):
         told = calibration(of)
         print(f"\n{title}: {len(cases)} answers, ECE {told['ece']:.3f}, mean -log p {cost(of):.2f}")
-        rows = [
-            (f"{row['between'][0]:g} to {row['between'][1]:g}", row["count"], f"{row['mean_probability']:.2f}",
-             f"{row['share_right']:.2f}")
-            for row in told["rows"]
-        ]  # fmt: skip
-        table(columns, rows)
+        table(columns, rows_of(told))
         print("claims of a fit, right where all that they name is hidden, alone or with another effect")
-        table(("between", "claims", *columns[2:]), rows_of_claims(of))
+        table(("between", "claims", *columns[2:]), rows_of(calibration_of(list(of_claims(of)))))
 
 
 if __name__ == "__main__":

@@ -1,8 +1,9 @@
 """Tests of how often answers of proofs are right by the probability that they state, and by that of today's rules."""
 
 import pytest
-from proof_probabilities import DEFAULT_THRESHOLDS, cost, of_claims, rows_of_claims, with_doubt
+from proof_probabilities import DEFAULT_THRESHOLDS, cost, of_claims, rows_of, with_doubt
 
+from tactiledata.prove.score.score import calibration_of
 from tactiledata.prove.score.scored_case import ScoredCase
 
 ALIKE, BESIDE = DEFAULT_THRESHOLDS.alike_share, DEFAULT_THRESHOLDS.beside_share
@@ -45,7 +46,10 @@ def test_a_claim_is_right_alone_or_with_another_effect():
     assert list(of_claims(cases)) == [
         (pytest.approx(0.9), True), (pytest.approx(0.9), True), (0.99, True), (0.9, False)
     ]  # fmt: skip
-    assert rows_of_claims(cases) == [("0.8 to 0.95", 3, "0.90", "0.67"), ("0.95 to 1", 1, "0.99", "1.00")]
+    assert rows_of(calibration_of(list(of_claims(cases)))) == [
+        ("0.8 to 0.95", 3, "0.90", "0.67"),
+        ("0.95 to 1", 1, "0.99", "1.00"),
+    ]
 
 
 def test_the_cost_is_that_of_what_is_right():

@@ -139,7 +139,7 @@ def decide(
     shares = thresholds.shares(
         np.array([one.share_of_need(thresholds) for one in candidates]),
         np.array([one.names in in_set for one in candidates], dtype=bool),
-        np.array([any(EFFECTS[name].unlisted_look_alike for name in one.names) for one in candidates], dtype=bool),
+        [one.names for one in candidates],
         left.is_structure(thresholds),
     )
     labels = [*(candidate.label for candidate in candidates), BESIDE, NONE, OTHER]

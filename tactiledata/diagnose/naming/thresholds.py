@@ -25,13 +25,14 @@ power-on, but can with the stiffness of a stem. Therefore each effect needs an e
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 import numpy as np
 
 from tactiledata.arrays import Array, Mask
+from tactiledata.effects import EFFECTS
 
 CLAIM_EVIDENCE: Mapping[str, float] = MappingProxyType({
     "static_friction": 120.0, "arm_compliance": 40.0, "mount_offset": 40.0, "thickness": 35.0,
@@ -273,7 +274,7 @@ class DecisionThresholds:
         """
         return max(self.tie_evidence * self.growth(names), self.tie_share * evidence)
 
-    def shares(self, beyond: Array, is_claimed: Mask, has_alike: Mask, is_left: bool) -> Array:
+    def shares(self, beyond: Array, is_claimed: Mask, names: Sequence[Collection[str]], is_left: bool) -> Array:
         """Return probabilities (c + 3,): of c candidates, of another effect beside a candidate, of nothing, and of an
         effect outside the catalogue.
 
@@ -289,8 +290,8 @@ class DecisionThresholds:
             Evidence of each candidate less the evidence that it needs, over its growth.
         is_claimed : (c,) bool
             Whether the answer claims the candidate, or ties it with a claim.
-        has_alike : (c,) bool
-            Whether something outside the catalogue is told to look like the candidate.
+        names : c collections of str
+            Effects of each candidate.
         is_left : bool
             Whether the best fit leaves structure.
         """
@@ -300,19 +301,20 @@ class DecisionThresholds:
         values = np.concatenate([odds, [unknown - np.logaddexp(0.0, unlisted), unknown - np.logaddexp(0.0, -unlisted)]])
         # the largest exponent is 0: nothing overflows
         shares: Array = np.exp(values - values.max())
-        return self.with_doubt(shares / shares.sum(), has_alike)
+        return self.with_doubt(shares / shares.sum(), names)
 
-    def with_doubt(self, shares: Array, has_alike: Mask) -> Array:
+    def with_doubt(self, shares: Array, names: Sequence[Collection[str]]) -> Array:
         """Return probabilities (c + 3,) as `shares` does, from those without another effect beside and without alikes.
 
         Parameters
         ----------
         shares : (c + 2,)
             Probabilities of c candidates, of nothing, and of an effect outside the catalogue.
-        has_alike : (c,) bool
-            Whether something outside the catalogue is told to look like the candidate.
+        names : c collections of str
+            Effects of each candidate.
         """
-        alike = np.where(has_alike, self.alike_share, 0.0) * shares[:-2]
+        has_alike = np.array([any(EFFECTS[name].unlisted_look_alike for name in each) for each in names], dtype=bool)
+        alike = self.alike_share * has_alike * shares[:-2]
         beside = self.beside_share * (shares[:-2] - alike)
         nothing, other = shares[-2:]
         return np.concatenate([shares[:-2] - alike - beside, [beside.sum(), nothing, other + alike.sum()]])

@@ -120,14 +120,12 @@ def ties_of_one(
     thresholds : DecisionThresholds
         What a claim needs.
     """
-
-    def is_near(other: ScoredCandidate) -> bool:
-        return _is_near(other, best, thresholds)
-
     others = [
         other
         for other in ranked
-        if other.label != best.label and not other.implausible and (other.evidence > best.evidence or is_near(other))
+        if other.label != best.label
+        and not other.implausible
+        and (other.evidence > best.evidence or _is_near(other, best, thresholds))
     ]
     if not others:
         return ()
@@ -137,10 +135,10 @@ def ties_of_one(
         # two fits differ by noise: what the other effect could change counts, not only what it was fitted to change
         cosine_possible = best_imitation(metric, best.fit.effect_change, other.fit.effect_fields)
         cosine, apart = max(float(cosine_fitted), cosine_possible), gains[best.label] - gains[other.label]
-        if is_near(other):
-            is_rival = cosine > thresholds.tie or not other.objections(thresholds)
-        else:
-            is_rival = cosine_possible > thresholds.tie
+        contains_best = cosine_possible > thresholds.tie
+        is_rival = contains_best or (
+            _is_near(other, best, thresholds) and (cosine > thresholds.tie or not other.objections(thresholds))
+        )
         if is_rival and not _is_needlessly_wide(other, best, cosine_possible, thresholds):
             ties.append(Tie(other.label, best.label, other.label, cosine, float(apart.sum()), error_of_sum(apart)))
     return tuple(ties)

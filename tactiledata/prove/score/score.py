@@ -203,7 +203,17 @@ def calibration(cases: Sequence[ScoredCase]) -> dict[str, Any]:
 
     Cases whose diagnosis failed say no probability.
     """
-    told = [case.probability for case in cases if case.outcome != FAILED]
+    return calibration_of([case.probability for case in cases if case.outcome != FAILED])
+
+
+def calibration_of(told: Sequence[tuple[float, bool]]) -> dict[str, Any]:
+    """Return how often statements are right, by their probability, and the expected calibration error (ECE).
+
+    Parameters
+    ----------
+    told : sequence of (probability, whether it is right)
+        The statements.
+    """
     rows, error = [], 0.0
     for low, high in pairwise(CHANCES):
         inside = [(chance, right) for chance, right in told if low <= chance < high or (high == 1.0 and chance == 1.0)]

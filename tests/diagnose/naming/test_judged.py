@@ -395,7 +395,7 @@ def test_probabilities_sum_to_one_and_grow_with_evidence():
 
 
 def test_what_looks_like_something_outside_the_catalogue_shares_its_probability_with_it():
-    """Of a relaxation half goes to drainages and the like, and of the rest a fifth to another effect beside it."""
+    """Half of a relaxation's probability is that of an unlisted effect; a fifth of the rest, of one beside it."""
     chances = decided([candidate("relaxation", 1e6)]).probabilities
     assert chances[OTHER] == pytest.approx(T.alike_share)
     assert chances["relaxation"] == pytest.approx((1.0 - T.alike_share) * (1.0 - T.beside_share))
